@@ -1,0 +1,18 @@
+#include "kernels/kernels.hpp"
+#include "kernels/brute.hpp"
+#include <array>
+
+namespace trigrain {
+
+// Bytes: two triangles of nine doubles in, one Hit out.
+constexpr double bytes_per_pair = 2 * 9 * sizeof(double) + sizeof(Hit);
+
+constexpr std::array table{
+    Kernel{"brute",
+           "15 features with branches, crossing decided exactly; Krestenitis (2018), Ericson (2005) 5.1.5, 5.1.9",
+           brute, 2200, bytes_per_pair},
+};
+
+std::span<const Kernel> kernels() { return table; }
+
+} // namespace trigrain

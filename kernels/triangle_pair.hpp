@@ -1,0 +1,45 @@
+#pragma once
+#include "kernels/lanes.hpp"
+#include "kernels/triangles.hpp"
+#include <array>
+#include <limits>
+
+namespace trigrain {
+
+template <class T> using Corners = std::array<Vec3<T>, 3>;
+
+/// Points p on A and q on B (m).
+template <class T> struct PointPair { Vec3<T> p, q; };
+
+/// Two triangles in a frame of their own (origin at a corner of A), so that an offset from the world's origin costs no
+/// digits. `extent` (m) is the largest coordinate in that frame; all rounding errors are stated in units of it. It is
+/// at most twice the largest coordinate of the pair in any other frame.
+template <class T> struct TrianglePair {
+  Corners<T> a, b;
+  Vec3<T> origin;
+  T extent;
+};
+
+template <class T> T largest_coordinate(const Vec3<T>& v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
+
+template <class T> TrianglePair<T> local_pair(const Corners<T>& a, const Corners<T>& b) {
+  TrianglePair<T> pair{.a = {Vec3<T>{T(0), T(0), T(0)}, a[1] - a[0], a[2] - a[0]},
+                       .b = {b[0] - a[0], b[1] - a[0], b[2] - a[0]},
+                       .origin = a[0],
+                       .extent = T(0)};
+  for (int k = 0; k < 3; ++k)
+    pair.extent = max(pair.extent, max(largest_coordinate(pair.a[k]), largest_coordinate(pair.b[k])));
+  return pair;
+}
+
+inline Corners<double> corners(const Triangle& t) { return {t.a0, t.a1, t.a2}; }
+
+template <class T> T squared(const Vec3<T>& v) { return dot(v, v); }
+
+inline constexpr double epsilon = std::numeric_limits<double>::epsilon(); ///< 2^-52
+
+/// A cross product e x f counts as zero unless |e x f|^2 > noise |e|^2 |f|^2: below that it may be nothing but the
+/// rounding that fused multiply-adds leave.
+inline constexpr double cross_noise = 64 * epsilon * epsilon;
+
+} // namespace trigrain
