@@ -1,0 +1,69 @@
+#include "dem/forces.hpp"
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace trigrain {
+namespace {
+
+using Eigen::Vector3d;
+
+auto key(const Contact& c) { return std::tie(c.a, c.b, c.feature_a, c.feature_b); }
+
+/// Of the material point of body i that is at x (m/s).
+Vector3d velocity_at(const Particles& p, int i, const Vector3d& x) {
+  return p.velocity[i] + p.angular_velocity(i).cross(x - p.position[i]);
+}
+
+} // namespace
+
+void carry_springs(std::span<const Contact> last, std::span<Contact> contacts) {
+  auto old = last.begin();
+  for (Contact& c : contacts) {
+    while (old != last.end() && key(*old) < key(c)) ++old;
+    if (old != last.end() && key(*old) == key(c)) c.tangential = old->tangential;
+  }
+}
+
+void contact_forces(const Particles& p, const ContactParameters& law, double step_s, std::span<Contact> contacts) {
+  const double k = law.stiffness, kt = law.tangential_ratio * k;
+  for (Contact& c : contacts) {
+    const double m_e = 1 / (p.inverse_mass[c.a] + p.inverse_mass[c.b]);
+    const double damping = 2 * law.damping_ratio * std::sqrt(k * m_e);
+    const double damping_t = damping * std::sqrt(law.tangential_ratio);
+    const Vector3d relative = velocity_at(p, c.a, c.point) - velocity_at(p, c.b, c.point);
+    const double separation_speed = relative.dot(c.normal);
+    const double f_n = std::max(0., k * c.overlap - damping * separation_speed);
+    const Vector3d slip = relative - separation_speed * c.normal;
+    // The spring turns with the contact plane and keeps its length.
+    const Vector3d in_plane = c.tangential - c.tangential.dot(c.normal) * c.normal;
+    const double length = in_plane.norm();
+    Vector3d spring = length > 0 ? (c.tangential.norm() / length * in_plane + step_s * slip).eval() : (step_s * slip).eval();
+    Vector3d f_t = -kt * spring - damping_t * slip;
+    const double most = law.friction * f_n, size = f_t.norm();
+    if (size > most) { // sliding: the spring gives way until spring and dashpot together carry mu f_n
+      f_t *= most / size;
+      spring = kt > 0 ? (-(f_t + damping_t * slip) / kt).eval() : Vector3d::Zero().eval();
+    }
+    c.tangential = spring;
+    c.force = f_n * c.normal + f_t;
+  }
+}
+
+void add_contact_loads(const Particles& p, std::span<const Contact> contacts, Loads& loads) {
+  for (const Contact& c : contacts) {
+    loads.force[c.a] += c.force;
+    loads.force[c.b] -= c.force;
+    loads.torque[c.a] += (c.point - p.position[c.a]).cross(c.force);
+    loads.torque[c.b] -= (c.point - p.position[c.b]).cross(c.force);
+  }
+}
+
+double elastic_energy(const ContactParameters& law, std::span<const Contact> contacts) {
+  double sum = 0;
+  for (const Contact& c : contacts)
+    sum += law.stiffness / 2 * (c.overlap * c.overlap + law.tangential_ratio * c.tangential.squaredNorm());
+  return sum;
+}
+
+} // namespace trigrain

@@ -1,0 +1,58 @@
+#include "dem/motion.hpp"
+#include <cmath>
+
+namespace trigrain {
+namespace {
+
+/// Free rotation about principal axis `axis` for time t: turns the body and its momentum in the body frame.
+void turn(int axis, double t, const Eigen::Vector3d& inertia, Eigen::Quaterniond& q, Eigen::Vector3d& body_momentum) {
+  const double half_angle = t * body_momentum[axis] / inertia[axis] / 2;
+  const double c = std::cos(half_angle), s = std::sin(half_angle);
+  Eigen::Quaterniond rotation(c, 0, 0, 0);
+  rotation.vec()[axis] = s;
+  q = q * rotation;
+  // In the body frame the fixed spatial momentum turns the other way by the full angle.
+  const double cos_full = c * c - s * s, sin_full = 2 * s * c;
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const double mu = body_momentum[u], mv = body_momentum[v];
+  body_momentum[u] = cos_full * mu + sin_full * mv;
+  body_momentum[v] = cos_full * mv - sin_full * mu;
+}
+
+/// Symmetric splitting of the free top, second order in t.
+void turn_free_top(Eigen::Quaterniond& q, const Eigen::Vector3d& momentum, const Eigen::Vector3d& inertia, double t) {
+  Eigen::Vector3d m = q.conjugate() * momentum;
+  turn(0, t / 2, inertia, q, m);
+  turn(1, t / 2, inertia, q, m);
+  turn(2, t, inertia, q, m);
+  turn(1, t / 2, inertia, q, m);
+  turn(0, t / 2, inertia, q, m);
+  q.normalize();
+}
+
+} // namespace
+
+void integrate(Particles& p, const Loads& loads, const Eigen::Vector3d& gravity, double step_s, int begin, int end) {
+  for (int i = begin; i < end; ++i) {
+    if (p.fixed(i)) continue;
+    p.velocity[i] += step_s * (gravity + p.inverse_mass[i] * loads.force[i]);
+    p.position[i] += step_s * p.velocity[i];
+    p.angular_momentum[i] += step_s * loads.torque[i];
+    turn_free_top(p.orientation[i], p.angular_momentum[i], p.inertia[i], step_s);
+  }
+}
+
+double kinetic_energy(const Particles& p) {
+  double sum = 0;
+  for (int i = 0; i < p.size(); ++i)
+    sum += p.mass[i] * p.velocity[i].squaredNorm() / 2 + p.angular_momentum[i].dot(p.angular_velocity(i)) / 2;
+  return sum;
+}
+
+double potential_energy(const Particles& p, const Eigen::Vector3d& gravity) {
+  double sum = 0;
+  for (int i = 0; i < p.size(); ++i) sum -= p.mass[i] * gravity.dot(p.position[i]);
+  return sum;
+}
+
+} // namespace trigrain

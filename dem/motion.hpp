@@ -1,0 +1,19 @@
+#pragma once
+#include "dem/forces.hpp"
+#include "dem/particles.hpp"
+
+namespace trigrain {
+
+/// Moves bodies [begin, end) on by step_s (s): symplectic Euler for the centre of mass; the spatial angular momentum is
+/// kicked by the torque, then the free top turns by the splitting into rotations about the principal axes
+/// (Dullweber, Leimkuhler & McLachlan 1997), which keeps that momentum to round-off and the orientation a rotation.
+void integrate(Particles& particles, const Loads& loads, const Eigen::Vector3d& gravity, double step_s, int begin,
+               int end);
+
+/// Kinetic energy of all bodies (J), translation and rotation.
+double kinetic_energy(const Particles& particles);
+
+/// Potential energy in the field `gravity` (m/s2), zero at the world's origin (J).
+double potential_energy(const Particles& particles, const Eigen::Vector3d& gravity);
+
+} // namespace trigrain

@@ -1,0 +1,33 @@
+#pragma once
+#include "dem/scene.hpp"
+#include <Eigen/Geometry>
+#include <vector>
+
+namespace trigrain {
+
+/// State of all bodies as structure of arrays; the index is the body's identity. Units SI, world frame unless said.
+/// Orientation turns the body frame (Mesh: centre of mass, principal axes) into the world's.
+struct Particles {
+  std::vector<Eigen::Vector3d> position;         ///< centre of mass (m)
+  std::vector<Eigen::Vector3d> velocity;         ///< m/s
+  std::vector<Eigen::Quaterniond> orientation;   ///< unit quaternion
+  std::vector<Eigen::Vector3d> angular_momentum; ///< about the centre of mass (kg m2/s)
+  std::vector<Eigen::Vector3d> inertia;          ///< principal moments (kg m2); 0 if fixed
+  std::vector<double> mass;                      ///< kg; 0 if fixed
+  std::vector<double> inverse_mass;              ///< 1/kg; 0 if fixed
+  std::vector<double> halo;                      ///< m
+  std::vector<double> radius;                    ///< of the bounding sphere about `position`, without halo (m)
+  std::vector<std::shared_ptr<const Mesh>> mesh; ///< null for a sphere of that radius
+
+  int size() const { return static_cast<int>(position.size()); }
+  bool fixed(int i) const { return inverse_mass[i] == 0; }
+  bool is_sphere(int i) const { return mesh[i] == nullptr; }
+  /// World frame (rad/s); 0 for fixed bodies.
+  Eigen::Vector3d angular_velocity(int i) const;
+  /// Adds a body. InputError for an open mesh that is not fixed and for values that are not finite or not positive.
+  void add(const Body& body);
+  /// The body with its present position and motion, as a scene would hold it.
+  Body body(int i) const;
+};
+
+} // namespace trigrain

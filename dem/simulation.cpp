@@ -1,0 +1,265 @@
+#include "dem/simulation.hpp"
+#include "dem/forces.hpp"
+#include "dem/motion.hpp"
+#include "kernels/name_table.hpp"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace trigrain {
+namespace {
+
+constexpr int grain = 256; // contacts or bodies a worker takes at a time
+
+/// Adds the wall time of a scope to one phase.
+class PhaseTimer {
+public:
+  PhaseTimer(StepStats& stats, Phase phase) : seconds_(stats.seconds[static_cast<std::size_t>(phase)]) {}
+  ~PhaseTimer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// The contacts of one body pair within a worker's buffer.
+struct Run {
+  int a, b, worker;
+  int first, count;
+};
+
+const Runtime& runtime_for(const Options& options, const Scheme& scheme) {
+  if (options.runtime == "default" || scheme.runtime == "serial") return row_named(runtimes(), "runtime", scheme.runtime);
+  return row_named(runtimes(), "runtime", options.runtime);
+}
+
+/// A single spring's critical step between the two lightest bodies (METHODS: (2/omega) (sqrt(1 + zeta^2) - zeta)); any
+/// larger step makes that contact unstable whatever its geometry.
+double critical_step(const Particles& p, const ContactParameters& law) {
+  double largest[2] = {0, 0}; // inverse masses
+  for (double w : p.inverse_mass) {
+    if (w > largest[0]) std::swap(largest[0], w);
+    largest[1] = std::max(largest[1], w);
+  }
+  const double omega = std::sqrt(law.stiffness * (largest[0] + largest[1]));
+  const double zeta = law.damping_ratio;
+  return omega > 0 ? 2 / omega * (std::sqrt(1 + zeta * zeta) - zeta) : std::numeric_limits<double>::infinity();
+}
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
+} // namespace
+
+struct Simulation::State {
+  Scene scene;
+  Options options;
+  const Scheme& scheme;
+  NarrowPhase narrow;
+  Particles particles;
+  Grid grid;
+  Team team;
+  std::vector<WorkerBuffer> buffers;
+  std::vector<Run> runs;
+  std::vector<Contact> contacts, last_contacts;
+  Loads loads, next_loads; // next_loads: what add_load() gathered for the next step
+  bool has_next_loads = false;
+  double time = 0;
+
+  State(Scene s, Options o)
+      : scene(std::move(s)), options(std::move(o)), scheme(row_named(schemes(), "scheme", options.scheme)),
+        narrow{&row_named(kernels(), "kernel", options.kernel), &row_named(prechecks(), "pre-check", options.precheck),
+               &row_named(contact_rules(), "contact rule", options.contact_rule)},
+        particles(particles_of(scene)),
+        grid(row_named(grid_kinds(), "grid", options.grid), options.subdivision, scene.domain, particles),
+        team(runtime_for(options, scheme), threads_of(options)) {
+    const int n = particles.size();
+    const double largest_step = critical_step(particles, scene.contact);
+    if (!(scene.time.step > 0) || scene.time.step > largest_step)
+      throw InputError("the time step of " + number(scene.time.step) + " s is not between 0 and the critical step of " +
+                       number(largest_step) + " s of a contact between the lightest bodies (time.step_s). " +
+                       "Take a smaller step or a softer contact.");
+    buffers.resize(team.threads());
+    for (Loads* l : {&loads, &next_loads}) {
+      l->force.assign(n, Eigen::Vector3d::Zero());
+      l->torque.assign(n, Eigen::Vector3d::Zero());
+    }
+  }
+
+  static Particles particles_of(const Scene& scene) {
+    Particles particles;
+    for (const Body& body : scene.bodies) particles.add(body);
+    return particles;
+  }
+
+  static int threads_of(const Options& options) {
+    if (options.threads < 1)
+      throw InputError("threads must be at least 1 (is " + std::to_string(options.threads) + ").");
+    return options.scheme == "serial" ? 1 : options.threads;
+  }
+
+  void detect(StepStats& stats);
+  void merge(StepStats& stats);
+  void forces();
+  void integrate();
+};
+
+void Simulation::State::detect(StepStats& stats) {
+  for (WorkerBuffer& buffer : buffers) buffer.clear();
+  scheme.detect({grid, particles, narrow, buffers}, team);
+  for (const WorkerBuffer& buffer : buffers) {
+    stats.candidate_pairs += buffer.candidate_pairs;
+    stats.body_pairs += buffer.body_pairs;
+    stats.crossings += buffer.crossings;
+    stats.triangle_pairs += buffer.kernel.triangle_pairs;
+    stats.newton_steps += buffer.kernel.newton_steps;
+    stats.fall_backs += buffer.kernel.fall_backs;
+  }
+  stats.occupied_vertices += grid.occupied_vertices();
+  stats.virtual_copies += grid.virtual_copies();
+}
+
+/// Brings the buffers' contacts into one order that does not depend on who found them.
+void Simulation::State::merge(StepStats& stats) {
+  last_contacts.swap(contacts);
+  contacts.clear();
+  runs.clear();
+  for (std::size_t worker = 0; worker < buffers.size(); ++worker) {
+    const std::vector<Contact>& found = buffers[worker].contacts;
+    for (std::size_t c = 0; c < found.size(); ++c) {
+      if (c == 0 || found[c].a != found[c - 1].a || found[c].b != found[c - 1].b)
+        runs.push_back({found[c].a, found[c].b, static_cast<int>(worker), static_cast<int>(c), 0});
+      ++runs.back().count;
+    }
+  }
+  std::sort(runs.begin(), runs.end(), [](const Run& l, const Run& r) { return l.a != r.a ? l.a < r.a : l.b < r.b; });
+  for (const Run& run : runs) {
+    const auto first = buffers[run.worker].contacts.begin() + run.first;
+    contacts.insert(contacts.end(), first, first + run.count);
+  }
+  stats.contacts += static_cast<std::int64_t>(contacts.size());
+}
+
+void Simulation::State::forces() {
+  carry_springs(last_contacts, contacts);
+  team.parallel_for(static_cast<int>(contacts.size()), grain, [&](int begin, int end, int) {
+    contact_forces(particles, scene.contact, scene.time.step, std::span(contacts).subspan(begin, end - begin));
+  });
+  if (has_next_loads) {
+    std::swap(loads, next_loads);
+    std::fill(next_loads.force.begin(), next_loads.force.end(), Eigen::Vector3d::Zero());
+    std::fill(next_loads.torque.begin(), next_loads.torque.end(), Eigen::Vector3d::Zero());
+    has_next_loads = false;
+  } else {
+    std::fill(loads.force.begin(), loads.force.end(), Eigen::Vector3d::Zero());
+    std::fill(loads.torque.begin(), loads.torque.end(), Eigen::Vector3d::Zero());
+  }
+  add_contact_loads(particles, contacts, loads);
+}
+
+void Simulation::State::integrate() {
+  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
+    trigrain::integrate(particles, loads, scene.gravity, scene.time.step, begin, end);
+  });
+  time += scene.time.step;
+}
+
+Simulation::Simulation(Scene scene, Options options)
+    : state_(std::make_unique<State>(std::move(scene), std::move(options))) {}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+StepStats Simulation::step() {
+  State& s = *state_;
+  StepStats stats{.steps = 1};
+  {
+    const PhaseTimer timer(stats, Phase::grid);
+    s.grid.update(s.particles);
+  }
+  {
+    const PhaseTimer timer(stats, Phase::detect);
+    s.detect(stats);
+  }
+  {
+    const PhaseTimer timer(stats, Phase::merge);
+    s.merge(stats);
+  }
+  {
+    const PhaseTimer timer(stats, Phase::forces);
+    s.forces();
+  }
+  {
+    const PhaseTimer timer(stats, Phase::integrate);
+    s.integrate();
+  }
+  return stats;
+}
+
+StepStats Simulation::run(std::int64_t steps) {
+  StepStats sum;
+  for (std::int64_t i = 0; i < steps; ++i) sum += step();
+  return sum;
+}
+
+const Scene& Simulation::scene() const { return state_->scene; }
+const Options& Simulation::options() const { return state_->options; }
+const Particles& Simulation::particles() const { return state_->particles; }
+const std::vector<Contact>& Simulation::contacts() const { return state_->contacts; }
+double Simulation::time() const { return state_->time; }
+
+Energy Simulation::energy() const {
+  return {.kinetic = kinetic_energy(particles()),
+          .potential = potential_energy(particles(), scene().gravity),
+          .elastic = elastic_energy(scene().contact, contacts())};
+}
+
+/// FNV-1a over 8-byte words.
+std::uint64_t Simulation::state_hash() const {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto add = [&hash](const double* values, int count) {
+    for (int i = 0; i < count; ++i) {
+      std::uint64_t word;
+      std::memcpy(&word, values + i, sizeof word);
+      hash = (hash ^ word) * 0x100000001b3u;
+      hash ^= hash >> 29; // spreads the high bits, which one multiplication leaves alone
+    }
+  };
+  const Particles& p = particles();
+  for (int i = 0; i < p.size(); ++i) {
+    add(p.position[i].data(), 3);
+    add(p.orientation[i].coeffs().data(), 4);
+    add(p.velocity[i].data(), 3);
+    add(p.angular_momentum[i].data(), 3);
+  }
+  return hash;
+}
+
+void Simulation::add_load(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) {
+  state_->next_loads.force.at(body) += force;
+  state_->next_loads.torque.at(body) += torque;
+  state_->has_next_loads = true;
+}
+
+StepStats& StepStats::operator+=(const StepStats& other) {
+  for (std::size_t i = 0; i < seconds.size(); ++i) seconds[i] += other.seconds[i];
+  steps += other.steps;
+  candidate_pairs += other.candidate_pairs;
+  body_pairs += other.body_pairs;
+  triangle_pairs += other.triangle_pairs;
+  newton_steps += other.newton_steps;
+  fall_backs += other.fall_backs;
+  contacts += other.contacts;
+  crossings += other.crossings;
+  occupied_vertices += other.occupied_vertices;
+  virtual_copies += other.virtual_copies;
+  return *this;
+}
+
+} // namespace trigrain

@@ -1,0 +1,60 @@
+#pragma once
+#include "dem/contact.hpp"
+#include "dem/grid.hpp"
+#include "dem/particles.hpp"
+#include "dem/scene.hpp"
+#include "dem/scheme.hpp"
+#include "dem/step_stats.hpp"
+#include <memory>
+#include <string>
+
+namespace trigrain {
+
+/// Which variant does each job; every name is a row of a table.
+struct Options {
+  std::string kernel = "hybrid-pair";
+  std::string precheck = "sphere";
+  std::string grid = "regular";
+  std::string contact_rule = "nearest";
+  std::string scheme = "serial";
+  std::string runtime = "default"; ///< "tbb", "openmp", or the one the scheme was published with
+  int threads = 1;
+  int subdivision = 3;             ///< k: a grid cell splits into k^3
+};
+
+/// Mechanical energy (J); elastic is what the contact springs hold.
+struct Energy {
+  double kinetic = 0, potential = 0, elastic = 0;
+  double total() const { return kinetic + potential + elastic; }
+};
+
+/// The engine: bodies, grid, contacts and time. Valid once constructed; nothing global.
+class Simulation {
+public:
+  /// InputError for unknown names and senseless values.
+  Simulation(Scene scene, Options options);
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  StepStats step();
+  /// `steps` steps; seconds and counts summed.
+  StepStats run(std::int64_t steps);
+
+  const Scene& scene() const;
+  const Options& options() const;
+  const Particles& particles() const;
+  const std::vector<Contact>& contacts() const; ///< of the last step, sorted
+  double time() const;                          ///< s
+  Energy energy() const;
+  /// 64 bits that differ when any bit of any position, orientation, velocity or angular momentum does.
+  std::uint64_t state_hash() const;
+  /// Force (N) and torque (N m) on a body during the next step only, beside gravity and contacts.
+  void add_load(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque);
+
+private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+} // namespace trigrain

@@ -1,0 +1,29 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace trigrain {
+
+/// The phases of a step, in order; the names are those of records, traces and counter regions.
+enum class Phase { grid, detect, merge, forces, integrate };
+inline constexpr std::array<std::string_view, 5> phase_names{"grid", "detect", "merge", "forces", "integrate"};
+
+/// What one step, or several summed, took and did.
+struct StepStats {
+  std::array<double, phase_names.size()> seconds{}; ///< wall time per Phase
+  std::int64_t steps = 0;
+  std::int64_t candidate_pairs = 0; ///< body pairs from the grid
+  std::int64_t body_pairs = 0;      ///< body pairs that passed the body pre-check
+  std::int64_t triangle_pairs = 0;  ///< triangle pairs the kernel looked at
+  std::int64_t newton_steps = 0;
+  std::int64_t fall_backs = 0;      ///< triangle pairs a hybrid kernel redid by brute force
+  std::int64_t contacts = 0;        ///< contact points that carried force
+  std::int64_t crossings = 0;         ///< pairs found at distance 0: they have no normal and got no force
+  std::int64_t occupied_vertices = 0; ///< of the grid, summed over steps
+  std::int64_t virtual_copies = 0;    ///< of coarse bodies at finer vertices, summed over steps
+
+  StepStats& operator+=(const StepStats& other);
+};
+
+} // namespace trigrain

@@ -1,0 +1,146 @@
+#include "dem/grid.hpp"
+#include <gtest/gtest.h>
+#include <map>
+#include <random>
+#include <set>
+
+namespace trigrain {
+namespace {
+
+using Eigen::Vector3d;
+using Pairs = std::map<std::pair<int, int>, int>; // pair -> how often it was reported
+
+Pairs pairs_of(const Grid& grid, const Particles& particles) {
+  Pairs pairs;
+  std::vector<BodyPair> found;
+  for (int e = 0; e < grid.entries(); ++e) grid.pairs_of(e, particles, found);
+  for (const BodyPair p : found) {
+    EXPECT_LT(p.a, p.b);
+    ++pairs[{p.a, p.b}];
+  }
+  return pairs;
+}
+
+const GridKind& kind(std::string_view name) {
+  for (const GridKind& k : grid_kinds())
+    if (k.name == name) return k;
+  throw std::invalid_argument(std::string(name));
+}
+
+/// Spheres of diameters from smallest to smallest * ratio, at random places, on vertices, between them and outside.
+Particles crowd(int count, double smallest, double ratio, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  Particles particles;
+  for (int i = 0; i < count; ++i) {
+    Body ball;
+    ball.sphere_radius = smallest / 2 * std::pow(ratio, i % 5 / 4.);
+    ball.halo = .05 * ball.sphere_radius;
+    ball.position = Vector3d(unit(random), unit(random), unit(random));
+    if (i % 7 == 0) ball.position = (ball.position * 27).array().round() / 27;        // on a vertex
+    if (i % 7 == 1) ball.position = ((ball.position * 27).array().floor() + .5) / 27; // half way between vertices
+    if (i % 7 == 2) ball.position = 2 * ball.position - Vector3d::Constant(.5);       // often outside
+    ball.fixed = i % 11 == 0;
+    particles.add(ball);
+  }
+  return particles;
+}
+
+/// Pairs of overlapping bounding spheres with halo, by comparing all with all.
+std::set<std::pair<int, int>> overlapping(const Particles& p) {
+  std::set<std::pair<int, int>> pairs;
+  for (int a = 0; a < p.size(); ++a)
+    for (int b = a + 1; b < p.size(); ++b)
+      if (!(p.fixed(a) && p.fixed(b)) &&
+          (p.position[a] - p.position[b]).norm() < p.radius[a] + p.radius[b] + p.halo[a] + p.halo[b])
+        pairs.insert({a, b});
+  return pairs;
+}
+
+TEST(Grid, EveryOverlappingPairIsReportedOnceByEveryKindWhileBodiesMove) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> jump(0, .02);
+  for (const GridKind& kind : grid_kinds())
+    for (const int k : {2, 3})
+      for (const double ratio : {1., 5., 20.}) {
+        Particles particles = crowd(300, .02, ratio, random);
+        Grid grid(kind, k, {}, particles);
+        for (int step = 0; step < 20; ++step) {
+          grid.update(particles);
+          const Pairs pairs = pairs_of(grid, particles);
+          for (const auto& [pair, count] : pairs)
+            ASSERT_EQ(count, 1) << kind.name << " k=" << k << " ratio " << ratio << " step " << step << " pair "
+                                << pair.first << " " << pair.second;
+          for (const auto& pair : overlapping(particles))
+            ASSERT_TRUE(pairs.contains(pair)) << kind.name << " k=" << k << " ratio " << ratio << " step " << step
+                                              << " pair " << pair.first << " " << pair.second;
+          for (int i = 0; i < particles.size(); ++i)
+            if (!particles.fixed(i) && i % 3 == step % 3)
+              particles.position[i] += Vector3d(jump(random), jump(random), jump(random));
+        }
+      }
+}
+
+TEST(Grid, NoneComparesAllPairs) {
+  std::mt19937_64 random(3);
+  const Particles particles = crowd(60, .02, 1, random);
+  Grid grid(kind("none"), 3, {}, particles);
+  grid.update(particles);
+  int moving_pairs = 0;
+  for (int a = 0; a < particles.size(); ++a)
+    for (int b = a + 1; b < particles.size(); ++b) moving_pairs += !(particles.fixed(a) && particles.fixed(b));
+  EXPECT_EQ(static_cast<int>(pairs_of(grid, particles).size()), moving_pairs);
+  EXPECT_EQ(grid.levels(), 1);
+}
+
+TEST(Grid, RegularGoesDownToTheSmallestBody) {
+  Particles particles;
+  for (const double r : {.3, .0045}) {
+    Body ball;
+    ball.sphere_radius = r;
+    ball.position = Vector3d::Constant(.5);
+    particles.add(ball);
+  }
+  const Grid grid(kind("regular"), 3, {}, particles); // diameter .009: cells of 1/81 = .0123, not of 1/243 = .0041
+  EXPECT_EQ(grid.levels(), 5);
+}
+
+TEST(Grid, AFixedMeshAppearsOnlyAtVerticesNearItsTriangles) {
+  Particles particles;
+  Body wall;
+  wall.mesh = std::make_shared<Mesh>(box({.8, .01, .8}));
+  wall.position = Vector3d::Constant(.5);
+  wall.fixed = true;
+  particles.add(wall);
+  for (int i = 0; i < 1000; ++i) {
+    Body ball;
+    ball.sphere_radius = .005;
+    ball.position = Vector3d(.05 + .1 * (i % 10), .05 + .1 * (i / 10 % 10), .05 + .1 * (i / 100));
+    particles.add(ball);
+  }
+  Grid grid(kind("regular"), 3, {}, particles);
+  grid.update(particles);
+  const Pairs pairs = pairs_of(grid, particles);
+  const auto with_wall = std::count_if(pairs.begin(), pairs.end(), [](const auto& p) { return p.first.first == 0; });
+  EXPECT_EQ(with_wall, grid.virtual_copies());
+  EXPECT_EQ(with_wall, 0) << "no ball is closer than .045 to the wall, and cells are .0123 wide";
+  particles.position[450] = {.5, .515, .5};
+  grid.update(particles);
+  EXPECT_TRUE(pairs_of(grid, particles).contains({0, 450}));
+  EXPECT_EQ(grid.virtual_copies(), 1);
+}
+
+TEST(Grid, BodiesOutsideTheDomainStillMeet) {
+  Particles particles;
+  for (const double x : {5., 5.009, -3.}) {
+    Body ball;
+    ball.sphere_radius = .005;
+    ball.position = {x, .5, .5};
+    particles.add(ball);
+  }
+  Grid grid(kind("regular"), 3, {}, particles);
+  grid.update(particles);
+  EXPECT_TRUE(pairs_of(grid, particles).contains({0, 1}));
+}
+
+} // namespace
+} // namespace trigrain
