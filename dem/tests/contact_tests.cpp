@@ -1,0 +1,130 @@
+#include "dem/contact.hpp"
+#include "dem/simulation.hpp"
+#include "kernels/name_table.hpp"
+#include <gtest/gtest.h>
+#include <random>
+#include <set>
+#include <tuple>
+
+namespace trigrain {
+namespace {
+
+using Eigen::Vector3d;
+
+WorkerBuffer contacts_of(const Particles& particles, std::string_view kernel, std::string_view precheck,
+                         std::string_view rule) {
+  const NarrowPhase narrow{&row_named(kernels(), "kernel", kernel), &row_named(prechecks(), "pre-check", precheck),
+                           &row_named(contact_rules(), "contact rule", rule)};
+  WorkerBuffer buffer;
+  if (narrow.precheck->bodies(particles, {0, 1})) collide(particles, {0, 1}, narrow, buffer);
+  return buffer;
+}
+
+Body ball(double radius, const Vector3d& position, double halo) {
+  return {.sphere_radius = radius, .position = position, .halo = halo};
+}
+
+Body cube(const Vector3d& position, double halo) {
+  return {.mesh = std::make_shared<Mesh>(box({1, 1, 1})), .position = position, .halo = halo};
+}
+
+TEST(Contact, SpheresCloserThanTheirHalosTouchHalfWay) {
+  Particles p;
+  p.add(ball(.5, {0, 0, 0}, .1));
+  p.add(ball(.25, {0, .9, 0}, .1));
+  const auto found = contacts_of(p, "brute", "sphere", "nearest").contacts;
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].overlap, .05, 1e-15);
+  EXPECT_TRUE(found[0].normal.isApprox(Vector3d(0, -1, 0), 1e-15));
+  EXPECT_TRUE(found[0].point.isApprox(Vector3d(0, .575, 0), 1e-15));
+}
+
+TEST(Contact, SpheresFartherThanTheirHalosDoNotTouch) {
+  Particles p;
+  p.add(ball(.5, {0, 0, 0}, .05));
+  p.add(ball(.25, {0, .9, 0}, .05));
+  EXPECT_TRUE(contacts_of(p, "brute", "none", "all-pairs").contacts.empty());
+}
+
+TEST(Contact, ASphereAboveACubeTouchesItsFaceWhicheverComesFirst) {
+  for (const bool sphere_first : {true, false}) {
+    Particles p;
+    if (sphere_first) p.add(ball(.5, {.1, 1.05, .2}, .05));
+    p.add(cube({0, 0, 0}, .05));
+    if (!sphere_first) p.add(ball(.5, {.1, 1.05, .2}, .05));
+    for (const char* precheck : {"none", "sphere"}) {
+      const auto found = contacts_of(p, "brute", precheck, "nearest").contacts;
+      ASSERT_EQ(found.size(), 1u);
+      EXPECT_NEAR(found[0].overlap, .05, 1e-14);
+      EXPECT_TRUE(found[0].normal.isApprox(Vector3d(0, sphere_first ? 1 : -1, 0), 1e-12));
+      EXPECT_TRUE(found[0].point.isApprox(Vector3d(.1, .525, .2), 1e-12));
+    }
+  }
+}
+
+TEST(Contact, CrossingBodiesAreCountedAndGiveNoForce) {
+  Particles p;
+  p.add(cube({0, 0, 0}, .01));
+  p.add(cube({.4, .3, .2}, .01));
+  const WorkerBuffer found = contacts_of(p, "brute", "sphere", "all-pairs");
+  EXPECT_GT(found.crossings, 0);
+  for (const Contact& c : found.contacts) EXPECT_TRUE(c.normal.allFinite());
+}
+
+TEST(Contact, NearestKeepsOneContactPerPairOfPieces) {
+  Particles p;
+  p.add(cube({0, 0, 0}, .01));
+  p.add(cube({.1, 1.015, .2}, .01)); // face on face
+  const auto all = contacts_of(p, "brute", "sphere", "all-pairs").contacts;
+  const auto nearest = contacts_of(p, "brute", "sphere", "nearest").contacts;
+  EXPECT_GT(all.size(), 3u);
+  ASSERT_EQ(nearest.size(), 1u);
+  EXPECT_NEAR(nearest[0].overlap, .005, 1e-14);
+}
+
+/// (a, b, feature_a, feature_b, overlap) of each contact.
+using ContactSet = std::set<std::tuple<int, int, double>>;
+
+ContactSet set_of(const std::vector<Contact>& contacts) {
+  ContactSet set;
+  for (const Contact& c : contacts) set.insert({c.feature_a, c.feature_b, c.overlap});
+  return set;
+}
+
+TEST(Contact, PrechecksLeaveTheContactSetAsItIs) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::size_t touching = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    Particles p;
+    for (int i = 0; i < 2; ++i) {
+      Body grain;
+      grain.mesh = std::make_shared<Mesh>(granulate(1, 12, 1000 + 2 * trial + i));
+      grain.orientation = Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized();
+      grain.halo = .05;
+      if (i == 1) grain.position = Vector3d(unit(random), unit(random), unit(random)).normalized() * (.9 + .2 * unit(random));
+      p.add(grain);
+    }
+    for (const char* kernel : {"brute", "hybrid-pair"}) {
+      const auto without = contacts_of(p, kernel, "none", "all-pairs"), with = contacts_of(p, kernel, "sphere", "all-pairs");
+      ASSERT_EQ(set_of(without.contacts), set_of(with.contacts)) << kernel << " trial " << trial;
+      ASSERT_LE(with.kernel.triangle_pairs, without.kernel.triangle_pairs);
+      touching += !with.contacts.empty();
+    }
+  }
+  EXPECT_GT(touching, 500u);
+}
+
+TEST(Contact, FarFromTheOriginTheOverlapKeepsItsDigits) {
+  for (const double far : {0., 1e4}) {
+    Particles p;
+    p.add(cube(Vector3d(far, 0, 0), .01));
+    p.add(cube(Vector3d(far, 1.0175, 0), .01));
+    const auto found = contacts_of(p, "brute", "sphere", "nearest").contacts;
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_NEAR(found[0].overlap, .0025, 1e-15);
+  }
+}
+
+} // namespace
+} // namespace trigrain

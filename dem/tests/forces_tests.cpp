@@ -1,0 +1,159 @@
+#include "dem/forces.hpp"
+#include "dem/simulation.hpp"
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace trigrain {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double pi = 3.14159265358979323846;
+
+/// A ball of mass 1 on or above a wide fixed floor whose top is at y = 0; the halos are small beside the ball.
+Scene ball_on_floor(double height, const Vector3d& velocity, const ContactParameters& contact, double step) {
+  Scene scene;
+  scene.gravity = {0, 0, 0};
+  scene.contact = contact;
+  scene.time.step = step;
+  scene.domain = {.min = {-5, -5, -5}, .size = 10};
+  Body floor;
+  floor.mesh = std::make_shared<Mesh>(box({8, 1, 8}));
+  floor.position = {0, -.5, 0};
+  floor.fixed = true;
+  floor.halo = 5e-4;
+  Body ball;
+  ball.sphere_radius = .1;
+  ball.density = 1 / (4. / 3. * pi * 1e-3);
+  ball.position = {0, .1 + height, 0};
+  ball.velocity = velocity;
+  ball.halo = 5e-4;
+  scene.bodies = {floor, ball};
+  return scene;
+}
+
+/// Restitution of the clipped spring-dashpot (Schwager & Poeschel 2007).
+double restitution(double zeta) {
+  const double w = std::sqrt(1 - zeta * zeta);
+  return std::exp(-zeta / w * (pi - std::atan2(2 * zeta * w, w * w - zeta * zeta)));
+}
+
+TEST(Forces, ReboundFollowsTheRestitutionOfTheDashpot) {
+  for (const double zeta : {0., .1, .3, .5}) {
+    const double k = 1e6, contact_time = pi / std::sqrt(k);
+    const double step = contact_time / 1000.3;
+    Simulation sim(ball_on_floor(1.5e-3, {0, -.1, 0}, {.stiffness = k, .damping_ratio = zeta, .friction = 0}, step), {});
+    while (sim.time() < .02 + 3 * contact_time) sim.step();
+    EXPECT_NEAR(sim.particles().velocity[1].y() / .1, restitution(zeta), 2e-3) << "zeta " << zeta;
+  }
+}
+
+TEST(Forces, ASlidingBallRollsAtFiveSeventhsOfItsSpeed) {
+  const double mu = .3, u0 = .5, g = 9.81, k = 1e6;
+  Scene scene = ball_on_floor(1e-3 - g / k, {u0, 0, 0}, {.stiffness = k, .damping_ratio = .3, .friction = mu}, 2e-5);
+  scene.gravity = {0, -g, 0};
+  Simulation sim(scene, {});
+  const double slip_time = 2 * u0 / (7 * mu * g);
+  while (sim.time() < slip_time / 2) sim.step();
+  EXPECT_NEAR(sim.particles().velocity[1].x(), u0 - mu * g * sim.time(), 1e-3 * u0);
+  while (sim.time() < 2 * slip_time) sim.step();
+  // The contact is half the halos below the ball: arm R = .1 + (1e-3 - g / k) / 2.
+  const double arm = .1 + (1e-3 - g / k) / 2, ratio = 2.5 * arm * arm / .01;
+  EXPECT_NEAR(sim.particles().velocity[1].x(), u0 * ratio / (1 + ratio), 1e-3 * u0);
+  EXPECT_NEAR(sim.particles().velocity[1].x() + sim.particles().angular_velocity(1).z() * arm, 0, 1e-3 * u0);
+}
+
+TEST(Forces, ABallRollsDownAnInclineAtFiveSeventhsOfGravity) {
+  const double slope = .3, g = 9.81, k = 1e6;
+  Scene scene = ball_on_floor(1e-3 - g * std::cos(slope) / k, {0, 0, 0}, {.stiffness = k, .damping_ratio = .3, .friction = .5}, 2e-5);
+  scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
+  Simulation sim(scene, {});
+  while (sim.time() < .3) sim.step();
+  EXPECT_NEAR(sim.particles().velocity[1].x() / sim.time(), 5. / 7. * g * std::sin(slope), 5e-3 * g);
+}
+
+TEST(Forces, ABlockBelowTheFrictionAngleDoesNotCreep) {
+  const double slope = 20 * pi / 180, g = 9.81;
+  Scene scene = ball_on_floor(0, {0, 0, 0}, {.stiffness = 1e6, .damping_ratio = .5, .friction = .5}, 2e-5);
+  scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
+  Body& block = scene.bodies[1];
+  block.mesh = std::make_shared<Mesh>(box({.2, .1, .2}));
+  block.density = 250; // mass 1
+  block.position = {0, .05 + 1e-3 - 1e-6, 0};
+  Simulation sim(scene, {.contact_rule = "all-pairs"});
+  sim.run(50000);
+  const double settled = sim.particles().position[1].x();
+  sim.run(50000);
+  EXPECT_NEAR(sim.particles().position[1].x(), settled, 1e-9);
+}
+
+TEST(Forces, TheDashpotNeverPulls) {
+  Particles p;
+  for (const double y : {0., 1.0005}) {
+    Body ball;
+    ball.sphere_radius = .5;
+    ball.position = {0, y, 0};
+    ball.halo = 5e-4;
+    ball.velocity = {0, 100 * y, 0}; // parting fast
+    p.add(ball);
+  }
+  std::vector<Contact> contacts{{0, 1, 0, 0, {0, .50025, 0}, {0, -1, 0}, 5e-4}};
+  contact_forces(p, {}, 1e-5, contacts);
+  EXPECT_EQ(contacts[0].force, Vector3d::Zero());
+}
+
+TEST(Forces, BothBodiesGetOppositeForceAndTheirTorquesAndItAddsUpToNothing) {
+  Particles p;
+  for (int i = 0; i < 2; ++i) {
+    Body ball;
+    ball.sphere_radius = .5 - .2 * i;
+    ball.position = {.3 * i, .75 * i, .1};
+    ball.velocity = {1. - i, .5 * i, .2};
+    ball.angular_velocity = {3, 1. + i, -2};
+    p.add(ball);
+  }
+  const Vector3d n = (p.position[0] - p.position[1]).normalized();
+  std::vector<Contact> contacts{{0, 1, 0, 0, {.2, .45, .1}, n, 1e-3, {1e-5, 0, 2e-5}}};
+  contact_forces(p, {}, 1e-5, contacts);
+  Loads loads{{Vector3d::Zero(), Vector3d::Zero()}, {Vector3d::Zero(), Vector3d::Zero()}};
+  add_contact_loads(p, contacts, loads);
+  EXPECT_GT(contacts[0].force.norm(), 0);
+  EXPECT_GT(loads.torque[0].norm(), 0);
+  EXPECT_GT(loads.torque[1].norm(), 0);
+  const double scale = contacts[0].force.norm();
+  EXPECT_LT((loads.force[0] + loads.force[1]).norm(), 1e-13 * scale);
+  Vector3d moment = Vector3d::Zero();
+  for (int i = 0; i < 2; ++i) moment += p.position[i].cross(loads.force[i]) + loads.torque[i];
+  EXPECT_LT(moment.norm(), 1e-13 * scale);
+}
+
+TEST(Forces, FrictionIsCappedByCoulombsLaw) {
+  Particles p;
+  for (int i = 0; i < 2; ++i) {
+    Body ball;
+    ball.sphere_radius = .5;
+    ball.position = {0, 1. * i, 0};
+    ball.velocity = {10. * i, 0, 0};
+    p.add(ball);
+  }
+  const ContactParameters law{.stiffness = 1e3, .friction = .4};
+  std::vector<Contact> contacts{{0, 1, 0, 0, {0, .5, 0}, {0, -1, 0}, 1e-3}};
+  contact_forces(p, law, 1e-3, contacts);
+  const double normal = contacts[0].force.dot(contacts[0].normal);
+  const double tangential = (contacts[0].force - normal * contacts[0].normal).norm();
+  EXPECT_NEAR(tangential, .4 * normal, 1e-12);
+  EXPECT_GT(contacts[0].force.x(), 0) << "ball 0 is dragged along by ball 1";
+}
+
+TEST(Forces, SpringsAreCarriedToTheSameContactOnly) {
+  const Contact spring{1, 2, 3, 4, {}, {}, 0, {1, 2, 3}};
+  std::vector<Contact> last{{0, 5, 0, 0, {}, {}, 0, {9, 9, 9}}, spring};
+  std::vector<Contact> now{{1, 2, 3, 3, {}, {}, 0}, {1, 2, 3, 4, {}, {}, 0}, {1, 3, 3, 4, {}, {}, 0}};
+  carry_springs(last, now);
+  EXPECT_EQ(now[0].tangential, Vector3d::Zero());
+  EXPECT_EQ(now[1].tangential, Vector3d(1, 2, 3));
+  EXPECT_EQ(now[2].tangential, Vector3d::Zero());
+}
+
+} // namespace
+} // namespace trigrain
