@@ -1,5 +1,7 @@
 #include "kernels/kernels.hpp"
 #include "kernels/brute.hpp"
+#include "kernels/hybrid.hpp"
+#include "kernels/iterative.hpp"
 #include <array>
 
 namespace trigrain {
@@ -11,6 +13,10 @@ constexpr std::array table{
     Kernel{"brute",
            "15 features with branches, crossing decided exactly; Krestenitis (2018), Ericson (2005) 5.1.5, 5.1.9",
            brute, 2200, bytes_per_pair},
+    Kernel{"iterative", "four Newton steps of the penalty method; Krestenitis, Weinzierl, Koziara (2017)", iterative,
+           1000, bytes_per_pair},
+    Kernel{"hybrid-pair", "Newton, proven per pair by a separating plane or redone by brute force; Krestenitis (2018)",
+           hybrid_pair, 1500, bytes_per_pair},
 };
 
 std::span<const Kernel> kernels() { return table; }
