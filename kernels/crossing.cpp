@@ -36,8 +36,12 @@ double exact_volume(const Point& a, const Point& b, const Point& c, const Point&
   return (az * (bx * cy - cx * by) + bz * (cx * ay - ax * cy) + cz * (ax * by - bx * ay)).value();
 }
 
-/// Six times the signed volume of abcd; the sign is exact.
-double volume(const Point& a, const Point& b, const Point& c, const Point& d) {
+/// Six times the signed volume of a tetrahedron; `error` bounds what is wrong with it, and its sign is exact.
+struct Volume {
+  double value, error;
+};
+
+Volume volume(const Point& a, const Point& b, const Point& c, const Point& d) {
   const Point u = a - d, v = b - d, w = c - d;
   const double vxwy = v.x * w.y, wxvy = w.x * v.y, wxuy = w.x * u.y, uxwy = u.x * w.y, uxvy = u.x * v.y,
                vxuy = v.x * u.y;
@@ -45,8 +49,8 @@ double volume(const Point& a, const Point& b, const Point& c, const Point& d) {
   const double magnitude = std::fabs(u.z) * (std::fabs(vxwy) + std::fabs(wxvy)) +
                            std::fabs(v.z) * (std::fabs(wxuy) + std::fabs(uxwy)) +
                            std::fabs(w.z) * (std::fabs(uxvy) + std::fabs(vxuy));
-  if (std::fabs(value) > 8 * epsilon * magnitude) return value; // Shewchuk (1997) needs 3.5
-  return exact_volume(a, b, c, d);
+  const double error = 4 * epsilon * magnitude; // Shewchuk (1997) needs 3.5
+  return std::fabs(value) > error ? Volume{value, error} : Volume{exact_volume(a, b, c, d), 0};
 }
 
 bool same_side(double a, double b, double c) { return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0); }
@@ -84,7 +88,7 @@ int shadow_axis(const Corners<double>& t) {
 
 /// Segments in space, each possibly a point.
 bool segments_meet(const Point& p, const Point& q, const Point& r, const Point& s) {
-  if (!boxes_meet({p, q, q}, {r, s, s}) || volume(p, q, r, s) != 0) return false;
+  if (!boxes_meet({p, q, q}, {r, s, s}) || volume(p, q, r, s).value != 0) return false;
   // In one plane, or on one line: they meet in space where all three shadows do.
   for (int axis = 0; axis < 3; ++axis)
     if (!segments_meet(without(axis, p), without(axis, q), without(axis, r), without(axis, s))) return false;
@@ -103,12 +107,17 @@ bool meets_in_plane(const Point& p, const Point& q, const Corners<double>& t, in
 /// Point that segment pq has in common with t, a triangle of positive area.
 std::optional<Point> meeting_point(const Point& p, const Point& q, const Corners<double>& t, int axis,
                                    const Point& guess) {
-  const int side_p = sign(volume(t[0], t[1], t[2], p)), side_q = sign(volume(t[0], t[1], t[2], q));
-  if (side_p * side_q > 0) return {};
-  if (side_p == 0 && side_q == 0) return meets_in_plane(p, q, t, axis) ? std::optional(guess) : std::nullopt;
-  if (!same_side(volume(p, q, t[0], t[1]), volume(p, q, t[1], t[2]), volume(p, q, t[2], t[0]))) return {};
-  const double height_p = exact_volume(t[0], t[1], t[2], p), height_q = exact_volume(t[0], t[1], t[2], q);
-  const double s = height_p / (height_p - height_q); // cannot cancel: the signs differ
+  const Volume below = volume(t[0], t[1], t[2], p), above = volume(t[0], t[1], t[2], q);
+  if (sign(below.value) * sign(above.value) > 0) return {};
+  if (below.value == 0 && above.value == 0) return meets_in_plane(p, q, t, axis) ? std::optional(guess) : std::nullopt;
+  if (!same_side(volume(p, q, t[0], t[1]).value, volume(p, q, t[1], t[2]).value, volume(p, q, t[2], t[0]).value))
+    return {};
+  double height_p = below.value, height_q = above.value;                           // of opposite signs
+  if (below.error + above.error > 16 * epsilon * std::fabs(height_p - height_q)) { // pq nearly lies in the plane
+    height_p = exact_volume(t[0], t[1], t[2], p);
+    height_q = exact_volume(t[0], t[1], t[2], q);
+  }
+  const double s = height_p / (height_p - height_q);
   return s < 0.5 ? p + s * (q - p) : q + (1 - s) * (p - q);
 }
 

@@ -23,12 +23,6 @@ struct PairIndex {
   int i, j;
 };
 
-/// What is known of the pairs in a pack.
-struct Solution {
-  PointPair<Lanes> points;
-  Lanes upper, gap; ///< |p - q| and the best gap along any direction tried
-};
-
 /// Lanes whose separation along u alone exceeds reach.
 LaneMask beyond(const Lanes& reach, const Lanes& gap, const TrianglePair<Lanes>& pair) {
   return gap > reach + Lanes(decision_margin) * pair.extent;
@@ -47,12 +41,10 @@ void solve_pack(TrianglesView a, TrianglesView b, std::span<const PairIndex> pai
   const Lanes first_gap = gap_along(iterate.p - iterate.q, pair);
   if (all_of(beyond(reach, first_gap, pair))) return;
 
-  const Polished<Lanes> polished = polish(pair, z);
-  const PointPair<Lanes>& points = polished.points;
-  const Lanes upper = sqrt(squared(points.p - points.q));
-  const Lanes gap = max(first_gap, gap_along(polished.direction, pair));
+  const auto [points, upper, polished_gap] = polish(pair, z);
+  const Lanes gap = max(first_gap, polished_gap);
   const Lanes margin = Lanes(decision_margin) * pair.extent;
-  const LaneMask far = gap > reach + margin;
+  const LaneMask far = beyond(reach, gap, pair);
   const Lanes lower = min(proven_gap(gap, pair.extent), upper);
   const LaneMask proven = (upper - gap <= Lanes(tolerance) * pair.extent) & (upper + margin <= reach) & (lower > 0);
   for (int lane = 0; lane <= last; ++lane) {

@@ -1,14 +1,16 @@
 #pragma once
+#include "kernels/certificate.hpp"
 #include "kernels/newton.hpp"
 #include "kernels/point_triangle.hpp"
 #include "kernels/segment.hpp"
 
 namespace trigrain {
 
-/// Points solved exactly on the features an iterate points at, and a direction whose gap should prove them.
+/// Points solved exactly on the features an iterate points at, and the best gap over the directions that should prove
+/// them (m, certificate.hpp).
 template <class T> struct Polished {
   PointPair<T> points;
-  Vec3<T> direction;
+  T upper, gap;
 };
 
 template <class T, class Mask> Vec3<T> select(const Mask& m, const Vec3<T>& yes, const Vec3<T>& no) {
@@ -27,15 +29,22 @@ template <class T> Features<T> features_at(const Corners<T>& t, const T& v, cons
           select(skip0, t[2], select(skip1, t[2], t[1]))};
 }
 
+/// u without its part along edge e, where that part is small: at a small gap u = p - q is mostly rounding, but at an
+/// edge it must be normal to it.
+template <class T> Vec3<T> normal_to(const Vec3<T>& e, const Vec3<T>& u) {
+  const T ee = squared(e), ue = dot(u, e);
+  return u - select(ue * ue < T(1e-4) * ee * squared(u), ue * inverse_or_zero(ee), T(0)) * e;
+}
+
 /// Takes the best of corner of A - B, A - corner of B, and edge - edge, for the features nearest to weights z: if
-/// Newton found the right features, these are the closest points to rounding. p - q loses its direction when the gap is
-/// small, so the direction comes from the features too: face normal, or cross product of the edges, or p - q at
-/// corners.
+/// Newton found the right features, these are the closest points to rounding. Directions tried: normal of the face or
+/// cross product of the edges, p - q, and p - q made normal to the edges.
 template <class T> Polished<T> polish(const TrianglePair<T>& pair, const Weights<T>& z) {
   const Features<T> a = features_at(pair.a, z[0], z[1]), b = features_at(pair.b, z[2], z[3]);
+  const Vec3<T> edge_a = a.edge1 - a.edge0, edge_b = b.edge1 - b.edge0;
   PointPair<T> best = closest_on_segments(a.edge0, a.edge1, b.edge0, b.edge1);
   T best_d2 = squared(best.p - best.q);
-  Vec3<T> normal = cross(a.edge1 - a.edge0, b.edge1 - b.edge0);
+  Vec3<T> normal = cross(edge_a, edge_b);
   const auto keep_nearer = [&](const PointPair<T>& c, const Vec3<T>& face_normal) {
     const T d2 = squared(c.p - c.q);
     const auto nearer = d2 < best_d2;
@@ -46,11 +55,10 @@ template <class T> Polished<T> polish(const TrianglePair<T>& pair, const Weights
   keep_nearer({a.corner, closest_on_triangle(a.corner, pair.b)}, cross(pair.b[1] - pair.b[0], pair.b[2] - pair.b[0]));
   keep_nearer({closest_on_triangle(b.corner, pair.a), b.corner}, cross(pair.a[1] - pair.a[0], pair.a[2] - pair.a[0]));
   const Vec3<T> u = best.p - best.q;
-  const T along = dot(u, normal), nn = squared(normal);
-  // Along the normal unless that is more than 1e-6 off p - q
-  const auto aligned = along * along >= T(1 - 1e-12) * best_d2 * nn;
-  const Vec3<T> oriented = select(along < T(0), T(-1) * normal, normal);
-  return {best, select(aligned, oriented, u)};
+  const Vec3<T> towards_a = select(dot(u, normal) < T(0), T(-1) * normal, normal);
+  const T gap = max(max(gap_along(towards_a, pair), gap_along(u, pair)),
+                    gap_along(normal_to(edge_a, normal_to(edge_b, u)), pair));
+  return {best, sqrt(best_d2), gap};
 }
 
 } // namespace trigrain
