@@ -6,7 +6,8 @@
 
 namespace trigrain {
 
-void iterative(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
+[[gnu::flatten]] void iterative(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits,
+                                KernelCounts& counts) {
   for (int i = 0; i < a.size; ++i) {
     const Corners<Lanes> ta = broadcast(a[i]);
     for (int first = 0; first < b.size; first += lane_count) {

@@ -22,15 +22,20 @@ template <class T> using Symmetric4 = std::array<std::array<T, 4>, 4>;
 /// m^-1 g for positive definite m by LDL^T, a fixed sequence of operations.
 template <class T> Weights<T> solve(Symmetric4<T> m, Weights<T> g) {
   std::array<T, 4> inverse_d;
+#pragma GCC unroll 4
   for (int k = 0; k < 4; ++k) {
     inverse_d[k] = T(1) / m[k][k];
+#pragma GCC unroll 4
     for (int i = k + 1; i < 4; ++i) {
       const T l = m[i][k] * inverse_d[k];
+#pragma GCC unroll 4
       for (int j = k + 1; j <= i; ++j) m[i][j] -= l * m[j][k];
       g[i] -= l * g[k];
     }
   }
+#pragma GCC unroll 4
   for (int k = 3; k >= 0; --k) {
+#pragma GCC unroll 4
     for (int i = k + 1; i < 4; ++i) g[k] -= m[i][k] * g[i];
     g[k] *= inverse_d[k];
   }
@@ -51,7 +56,7 @@ template <class T> void add_penalty(Symmetric4<T>& hessian, Weights<T>& gradient
 
 /// Weights after Penalty::steps Newton steps for the closest points of a pair; near the triangles, not in them.
 /// Krestenitis (2018), Krestenitis, Weinzierl, Koziara (2017): minimise |x - y|^2 plus a penalty on z outside.
-template <class T> Weights<T> newton(const TrianglePair<T>& pair) {
+template <class T> [[gnu::flatten]] Weights<T> newton(const TrianglePair<T>& pair) {
   const std::array<Vec3<T>, 4> w{pair.a[1] - pair.a[0], pair.a[2] - pair.a[0], pair.b[0] - pair.b[1],
                                  pair.b[0] - pair.b[2]};
   const T half_trace = squared(w[0]) + squared(w[1]) + squared(w[2]) + squared(w[3]);
@@ -59,7 +64,9 @@ template <class T> Weights<T> newton(const TrianglePair<T>& pair) {
   const Vec3<T> start = pair.a[0] - pair.b[0];
   Symmetric4<T> h;
   Weights<T> offset;
+#pragma GCC unroll 4
   for (int i = 0; i < 4; ++i) {
+#pragma GCC unroll 4
     for (int j = 0; j <= i; ++j) h[i][j] = dot(w[i], w[j]) * unit;
     offset[i] = dot(w[i], start) * unit;
   }
@@ -68,13 +75,16 @@ template <class T> Weights<T> newton(const TrianglePair<T>& pair) {
   for (int step = 0; step < Penalty::steps; ++step) {
     Symmetric4<T> hessian = h;
     Weights<T> gradient = offset;
+#pragma GCC unroll 4
     for (int i = 0; i < 4; ++i) {
+#pragma GCC unroll 4
       for (int j = 0; j < 4; ++j) gradient[i] += h[std::max(i, j)][std::min(i, j)] * z[j];
       hessian[i][i] += T(Penalty::damping);
     }
     add_penalty(hessian, gradient, z, 0);
     add_penalty(hessian, gradient, z, 2);
     const Weights<T> dz = solve(hessian, gradient);
+#pragma GCC unroll 4
     for (int i = 0; i < 4; ++i) z[i] -= dz[i];
   }
   return z;
@@ -83,6 +93,7 @@ template <class T> Weights<T> newton(const TrianglePair<T>& pair) {
 /// Weights moved into the triangles: negative ones to 0, then onto the third edge by scaling.
 template <class T> Weights<T> clamped(const Weights<T>& z) {
   Weights<T> r;
+#pragma GCC unroll 4
   for (int k = 0; k < 4; k += 2) {
     const T v = max(z[k], T(0)), w = max(z[k + 1], T(0)), shrink = T(1) / max(v + w, T(1));
     r[k] = v * shrink;

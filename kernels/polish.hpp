@@ -39,7 +39,7 @@ template <class T> Vec3<T> normal_to(const Vec3<T>& e, const Vec3<T>& u) {
 /// Takes the best of corner of A - B, A - corner of B, and edge - edge, for the features nearest to weights z: if
 /// Newton found the right features, these are the closest points to rounding. Directions tried: normal of the face or
 /// cross product of the edges, p - q, and p - q made normal to the edges.
-template <class T> Polished<T> polish(const TrianglePair<T>& pair, const Weights<T>& z) {
+template <class T> [[gnu::flatten]] Polished<T> polish(const TrianglePair<T>& pair, const Weights<T>& z) {
   const Features<T> a = features_at(pair.a, z[0], z[1]), b = features_at(pair.b, z[2], z[3]);
   const Vec3<T> edge_a = a.edge1 - a.edge0, edge_b = b.edge1 - b.edge0;
   PointPair<T> best = closest_on_segments(a.edge0, a.edge1, b.edge0, b.edge1);

@@ -20,7 +20,9 @@ template <class T> struct TrianglePair {
   T extent;
 };
 
-template <class T> T largest_coordinate(const Vec3<T>& v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
+template <class T> [[gnu::always_inline]] inline T largest_coordinate(const Vec3<T>& v) {
+  return max(max(abs(v.x), abs(v.y)), abs(v.z));
+}
 
 template <class T> TrianglePair<T> local_pair(const Corners<T>& a, const Corners<T>& b) {
   TrianglePair<T> pair{.a = {Vec3<T>{T(0), T(0), T(0)}, a[1] - a[0], a[2] - a[0]},
@@ -34,7 +36,7 @@ template <class T> TrianglePair<T> local_pair(const Corners<T>& a, const Corners
 
 inline Corners<double> corners(const Triangle& t) { return {t.a0, t.a1, t.a2}; }
 
-template <class T> T squared(const Vec3<T>& v) { return dot(v, v); }
+template <class T> [[gnu::always_inline]] inline T squared(const Vec3<T>& v) { return dot(v, v); }
 
 inline constexpr double epsilon = std::numeric_limits<double>::epsilon(); ///< 2^-52
 
