@@ -12,14 +12,14 @@ inline constexpr double certificate_rounding = 12 * epsilon;
 /// Gap of the triangles along u (any length > 0), in m: min over A of u.a - max over B of u.b, divided by |u|. For
 /// every u it is a lower bound of the distance, up to certificate_rounding; 0 for u = 0. Krestenitis (2018); the bound
 /// is the separating-plane theorem.
-template <class T> T gap_along(const Vec3<T>& u, const TrianglePair<T>& pair) {
+template <class T> [[gnu::always_inline]] inline T gap_along(const Vec3<T>& u, const TrianglePair<T>& pair) {
   const T lowest_a = min(min(dot(u, pair.a[0]), dot(u, pair.a[1])), dot(u, pair.a[2]));
   const T highest_b = max(max(dot(u, pair.b[0]), dot(u, pair.b[1])), dot(u, pair.b[2]));
   return (lowest_a - highest_b) * inverse_or_zero(sqrt(squared(u)));
 }
 
 /// gap_along() with all rounding taken off and 0 at least: a proven lower bound of the distance (m).
-template <class T> T proven_gap(const T& gap, const T& extent) {
+template <class T> [[gnu::always_inline]] inline T proven_gap(const T& gap, const T& extent) {
   return max(gap - T(certificate_rounding) * extent, T(0));
 }
 

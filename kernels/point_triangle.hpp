@@ -23,28 +23,29 @@ template <class T> struct Barycentric { T v, w; };
 
 /// e = b - a, f = c - a, n = e x f with |n|^2 > 0 in `inverse_nn`; r = point - a. By cross products: the error is
 /// epsilon |r| L / |n|, where the determinant of the Gram matrix would square the aspect ratio.
-template <class T>
-Barycentric<T> project(const Vec3<T>& r, const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& n, const T& inverse_nn) {
+template <class T> [[gnu::always_inline]] inline Barycentric<T>
+project(const Vec3<T>& r, const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& n, const T& inverse_nn) {
   return {dot(cross(r, f), n) * inverse_nn, dot(cross(e, r), n) * inverse_nn};
 }
 
 /// The same, with the error of the first projection projected again: good to epsilon for aspect ratios of 1e6 and more.
-template <class T> Barycentric<T> project_twice(const Vec3<T>& r, const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& n,
-                                                const T& inverse_nn) {
+template <class T> [[gnu::always_inline]] inline Barycentric<T>
+project_twice(const Vec3<T>& r, const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& n, const T& inverse_nn) {
   const Barycentric<T> first = project(r, e, f, n, inverse_nn);
   const Barycentric<T> rest = project(r - (first.v * e + first.w * f), e, f, n, inverse_nn);
   return {first.v + rest.v, first.w + rest.w};
 }
 
 /// Point of segment ab closest to `point` (m).
-template <class T> Vec3<T> closest_on_segment(const Vec3<T>& point, const Vec3<T>& a, const Vec3<T>& b) {
+template <class T>
+[[gnu::always_inline]] inline Vec3<T> closest_on_segment(const Vec3<T>& point, const Vec3<T>& a, const Vec3<T>& b) {
   const Vec3<T> u = b - a;
   return a + clamp01(dot(point - a, u) * inverse_or_zero(squared(u))) * u;
 }
 
 /// Point of triangle t closest to `point` (m), for one point or a pack of lanes, without branches: the best of the
 /// three edges, and of the projection where that lies inside. Zero-area triangles are their edges.
-template <class T> Vec3<T> closest_on_triangle(const Vec3<T>& point, const Corners<T>& t) {
+template <class T> [[gnu::flatten]] Vec3<T> closest_on_triangle(const Vec3<T>& point, const Corners<T>& t) {
   const Vec3<T> e = t[1] - t[0], f = t[2] - t[0], n = cross(e, f);
   const T nn = squared(n);
   const Barycentric<T> z = project_twice(point - t[0], e, f, n, inverse_or_zero(nn));

@@ -13,7 +13,8 @@ template <class T> struct Polished {
   T upper, gap;
 };
 
-template <class T, class Mask> Vec3<T> select(const Mask& m, const Vec3<T>& yes, const Vec3<T>& no) {
+template <class T, class Mask>
+[[gnu::always_inline]] inline Vec3<T> select(const Mask& m, const Vec3<T>& yes, const Vec3<T>& no) {
   return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
 }
 
@@ -21,7 +22,7 @@ template <class T, class Mask> Vec3<T> select(const Mask& m, const Vec3<T>& yes,
 /// smallest.
 template <class T> struct Features { Vec3<T> corner, edge0, edge1; };
 
-template <class T> Features<T> features_at(const Corners<T>& t, const T& v, const T& w) {
+template <class T> [[gnu::always_inline]] inline Features<T> features_at(const Corners<T>& t, const T& v, const T& w) {
   const T u = T(1) - v - w;
   const auto skip0 = (u <= v) & (u <= w), skip1 = v <= w;
   const auto take0 = (u >= v) & (u >= w), take1 = v >= w;
@@ -31,7 +32,7 @@ template <class T> Features<T> features_at(const Corners<T>& t, const T& v, cons
 
 /// u without its part along edge e, where that part is small: at a small gap u = p - q is mostly rounding, but at an
 /// edge it must be normal to it.
-template <class T> Vec3<T> normal_to(const Vec3<T>& e, const Vec3<T>& u) {
+template <class T> [[gnu::always_inline]] inline Vec3<T> normal_to(const Vec3<T>& e, const Vec3<T>& u) {
   const T ee = squared(e), ue = dot(u, e);
   return u - select(ue * ue < T(1e-4) * ee * squared(u), ue * inverse_or_zero(ee), T(0)) * e;
 }

@@ -7,8 +7,8 @@ namespace trigrain {
 /// the two lines comes from cross products instead of |u|^2 |v|^2 - (u.v)^2: its error grows with 1 / angle instead of
 /// 1 / angle^2, so the distance stays good to a few epsilon of the coordinates for any angle. Parallel segments: any
 /// closest pair. Segments of length 0 are points.
-template <class T>
-PointPair<T> closest_on_segments(const Vec3<T>& a0, const Vec3<T>& a1, const Vec3<T>& b0, const Vec3<T>& b1) {
+template <class T> [[gnu::always_inline]] inline PointPair<T>
+closest_on_segments(const Vec3<T>& a0, const Vec3<T>& a1, const Vec3<T>& b0, const Vec3<T>& b1) {
   const Vec3<T> u = a1 - a0, v = b1 - b0, r = b0 - a0;
   const T uu = squared(u), vv = squared(v), uv = dot(u, v), ru = dot(r, u), rv = dot(r, v);
   const Vec3<T> n = cross(u, v);

@@ -24,7 +24,7 @@ template <class T> [[gnu::always_inline]] inline T largest_coordinate(const Vec3
   return max(max(abs(v.x), abs(v.y)), abs(v.z));
 }
 
-template <class T> TrianglePair<T> local_pair(const Corners<T>& a, const Corners<T>& b) {
+template <class T> [[gnu::always_inline]] inline TrianglePair<T> local_pair(const Corners<T>& a, const Corners<T>& b) {
   TrianglePair<T> pair{.a = {Vec3<T>{T(0), T(0), T(0)}, a[1] - a[0], a[2] - a[0]},
                        .b = {b[0] - a[0], b[1] - a[0], b[2] - a[0]},
                        .origin = a[0],
