@@ -1,0 +1,100 @@
+"""The point program dem_bench: where it is, what this build of it can do, and the command line of a point."""
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sweep.errors import SweepError
+from sweep.parameters import arguments
+from sweep.points import Point, StartState
+
+PROGRAM = "dem_bench"
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A build of dem_bench: the names it lists per parameter ("grid": {"none", "regular"}), and the commit of the
+    sources."""
+    program: Path
+    variants: dict[str, set[str]]
+    commit: str | None
+
+    def lacks(self, params: dict[str, Any]) -> str | None:
+        """What of `params` this build does not have, as "grid 'adaptive'"."""
+        for key, names in self.variants.items():
+            if isinstance(params.get(key), str) and params[key] not in names:
+                return f"{key.replace('_', ' ')} '{params[key]}'"
+        return None
+
+
+def find_bench(folder: Path | None, root: Path) -> Bench:
+    """dem_bench of `folder`; None: beside the program that was started, then in the release build under `root`.
+    SweepError if there is none or it cannot say what it knows."""
+    places = [folder] if folder else [Path(sys.argv[0]).resolve().parent, root / "build/release/bin"]
+    for place in places:
+        if os.access(place / PROGRAM, os.X_OK):
+            return _describe((place / PROGRAM).resolve(), root)
+    raise SweepError(f"no {PROGRAM} (looked in {', '.join(map(str, places))}). "
+                     "Build first (cmake --preset release && cmake --build --preset release) or give --bin DIR.")
+
+
+def point_command(bench: Bench, point: Point, spec_folder: Path, outputs: list[str], start: Path | None) -> list[str]:
+    """dem_bench for a point; `outputs` are the options that say what to write where."""
+    begin = ["--start-state", str(start)] if start else []
+    return [str(bench.program), *arguments(_at(point.params, spec_folder)), *begin, "--point-id", point.id, *outputs]
+
+
+def state_command(bench: Bench, state: StartState, spec_folder: Path, cores: int, outputs: list[str]) -> list[str]:
+    """dem_bench for a start state, on all cores: a parallel scheme gives the same bits for every number of threads."""
+    once = ["--threads", str(cores), "--repeats", "1", "--warmup", "0"]
+    return [str(bench.program), *arguments(_at(state.params, spec_folder)), *once, "--point-id", state.id, *outputs]
+
+
+def _at(params: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Scene files are named relative to their spec."""
+    if "scene_file" not in params:
+        return params
+    return {**params, "scene_file": str((folder / params["scene_file"]).resolve())}
+
+
+def usable_cores() -> int:
+    """Physical cores of the machine, or the CPUs this process may use if they are fewer; so counts dem_bench too."""
+    allowed = len(os.sched_getaffinity(0))
+    siblings = Path("/sys/devices/system/cpu").glob("cpu[0-9]*/topology/thread_siblings_list")
+    try:
+        cores = len({path.read_text() for path in siblings})
+    except OSError:
+        cores = 0
+    return min(cores, allowed) if cores else allowed
+
+
+def _describe(program: Path, root: Path) -> Bench:
+    try:
+        answer = subprocess.run([program, "--list"], capture_output=True, text=True, timeout=60, check=True)
+    except subprocess.CalledProcessError as error:
+        trouble = f"exit code {error.returncode}: {error.stderr.strip()[-200:]}"
+        raise SweepError(f"{program} does not run (--list: {trouble}). Build it again.") from None
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise SweepError(f"{program} does not run (--list: {error}). Build it again.") from None
+    variants: dict[str, set[str]] = {}
+    for line in answer.stdout.splitlines():
+        if line.startswith("  ") and variants:
+            names.add(line.strip().partition(":")[0])
+        elif line:
+            names = variants.setdefault(line.strip().removesuffix("s").replace(" ", "_"), set())
+    if "runtime" in variants:
+        variants["runtime"].add("default")
+    if not {"grid", "scheme", "kernel"} <= set(variants):
+        raise SweepError(f"{program} --list names no grids, schemes and kernels. Build it again.")
+    return Bench(program, variants, _commit(root))
+
+
+def _commit(root: Path) -> str | None:
+    """The commit that is checked out: every build of it carries that name."""
+    try:
+        answer = subprocess.run(["git", "-C", root, "rev-parse", "HEAD"], capture_output=True, text=True, timeout=60)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return answer.stdout.strip() if answer.returncode == 0 else None

@@ -1,0 +1,190 @@
+"""The command `sweep`: run, status, list."""
+import argparse
+import os
+import signal
+import sys
+from pathlib import Path
+
+from sweep import status
+from sweep.bench import Bench, find_bench, usable_cores
+from sweep.errors import InputError, SweepError, nearest
+from sweep.points import Point, expand, select
+from sweep.process import Stop
+from sweep.progress import duration
+from sweep.runner import Interrupted, Runner, missing_states, set_aside_broken
+from sweep.spec import Spec, read_spec
+from sweep.status import BIGGER_MACHINE, CHECK_FAILED, FAILED, MISSING, NOT_AVAILABLE, PointStatus, status_of
+from sweep.store import Store
+
+ROOT = Path(__file__).resolve().parents[2]
+SPECS = ROOT / "experiments" / "specs"
+EPILOG = """exit codes: 0 all done, 1 a point or its check failed, 3 usage or spec, 4 environment, 130 interrupted.
+An interrupted sweep resumes when the same command is given again: finished points are skipped."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Wrong usage exits with 3, as in all programs of the project."""
+
+    def error(self, message: str):
+        self.exit(3, f"{message} ({self.prog}). See {self.prog} --help.\n")
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs the command line; returns the exit code."""
+    options = _parser().parse_args(argv)
+    try:
+        return options.command(options)
+    except SweepError as error:
+        print(error, file=sys.stderr)
+        return error.exit_code
+    except BrokenPipeError:  # the reader of a pipe went away, as `sweep list | head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _parser() -> Parser:
+    parser = Parser(prog="sweep", description=__doc__, epilog=EPILOG,
+                    formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    run = commands.add_parser("run", help="run the points of a spec that have no record yet", epilog=EPILOG)
+    run.set_defaults(command=_run)
+    _common(run)
+    run.add_argument("--dry-run", action="store_true", help="only list the points and what would become of them")
+    run.add_argument("--only", action="append", default=[], metavar="K=V[,V]", help="only points with these values")
+    run.add_argument("--shard", metavar="I/N", help="only the I-th of N equal parts, for several machines")
+    run.add_argument("--rerun-failed", action="store_true", help="run failed points again")
+    run.add_argument("--fresh", action="store_true", help="run points again whose record is of another commit")
+    show = commands.add_parser("status", help="what became of the points of a spec")
+    show.set_defaults(command=_status)
+    _common(show)
+    specs = commands.add_parser("list", help="the specs there are")
+    specs.set_defaults(command=_list)
+    return parser
+
+
+def _common(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("spec", metavar="SPEC", help="a spec file, or the name of one in experiments/specs")
+    preset = parser.add_mutually_exclusive_group()
+    preset.add_argument("--quick", dest="preset", action="store_const", const="quick", help="the small preset (default)")
+    preset.add_argument("--full", dest="preset", action="store_const", const="full", help="the published sizes")
+    preset.add_argument("--preset", metavar="NAME", help="any other preset of the spec")
+    parser.add_argument("--results", type=Path, default=ROOT / "results", metavar="DIR", help="default: %(default)s")
+    parser.add_argument("--bin", type=Path, metavar="DIR", help="where dem_bench is (default: beside this program)")
+    parser.add_argument("--cores", type=int, default=usable_cores(), metavar="N",
+                        help="points with more threads are not run (default: %(default)s, what this machine offers)")
+
+
+def _run(options: argparse.Namespace) -> int:
+    spec = _read(options)
+    bench = find_bench(options.bin, ROOT)
+    store = Store(options.results, spec.name)
+    points = expand(spec)
+    chosen = select(points, options.only, options.shard)
+    if options.dry_run:
+        return _dry_run(spec, options, bench, store, chosen)
+    with store.lock():
+        set_aside_broken([status_of(point, store, bench, options.cores) for point in points], store)
+        statuses = [status_of(point, store, bench, options.cores) for point in chosen]
+        to_run = _to_run(statuses, options)
+        print(f"{spec.name} ({spec.preset}): {status.counts(statuses)}; running {len(to_run)}")
+        stop = Stop()
+        runner = Runner(spec, store, bench, options.cores, stop, dict(store.load_index().get("took_s", {})))
+        interrupted = False
+        with stop.listening():
+            try:
+                runner.run(to_run)
+            except Interrupted:
+                interrupted = True
+            everything = [status_of(point, store, bench, options.cores) for point in points]
+            status.write_index(store, spec, everything, options.cores, runner.took_s)
+    after = [status_of(point, store, bench, options.cores) for point in chosen]
+    if interrupted:
+        print(f"interrupted: {status.counts(after)}. Nothing is lost; the same command resumes.", file=sys.stderr)
+        return 128 + (stop.signal or signal.SIGINT)
+    print(f"{spec.name} ({spec.preset}): {status.counts(after)}")
+    _tell_troubles(after)
+    return 1 if any(each.state in (FAILED, CHECK_FAILED, MISSING) for each in after) else 0
+
+
+def _to_run(statuses: list[PointStatus], options: argparse.Namespace) -> list[Point]:
+    def wanted(each: PointStatus) -> bool:
+        if each.state in (BIGGER_MACHINE, NOT_AVAILABLE):
+            return False
+        again = options.rerun_failed and each.state in (FAILED, CHECK_FAILED)
+        # A record made elsewhere that cannot be made here is kept.
+        fresh = options.fresh and each.other_commit and each.point.params.get("threads", 1) <= options.cores
+        return each.state == MISSING or again or fresh
+
+    return [each.point for each in statuses if wanted(each)]
+
+
+def _dry_run(spec: Spec, options: argparse.Namespace, bench: Bench, store: Store, points: list[Point]) -> int:
+    statuses = [status_of(point, store, bench, options.cores) for point in points]
+    to_run = _to_run(statuses, options)
+    running = {point.id for point in to_run}
+    for each in statuses:
+        state = "would run" if each.point.id in running else each.state
+        print(f"{each.point.id}  {each.point.name}: {state}{f' ({each.why})' if each.why else ''}")
+    states = missing_states(to_run, store)
+    for state in states:
+        users = sum(point.start == state for point in to_run)
+        print(f"{state.id}  start state at {state.params['end_s']:g} s for {users} points: would be computed first")
+    took = store.load_index().get("took_s", {})
+    known = [took[point.id] for point in points if point.id in took]
+    guess = duration(sum(known) / len(known) * len(to_run)) if known else "unknown: none has run yet"
+    print(f"{spec.name} ({spec.preset}): {len(points)} points, {len(to_run)} would run and {len(states)} start states "
+          f"be computed first; {status.counts(statuses)}. Estimated time of the points: {guess}")
+    return 0
+
+
+def _status(options: argparse.Namespace) -> int:
+    spec = _read(options)
+    try:
+        bench = find_bench(options.bin, ROOT)
+    except SweepError as error:
+        bench = None
+        print(f"warning: {error} Availability of variants is unknown.", file=sys.stderr)
+    store = Store(options.results, spec.name)
+    statuses = [status_of(point, store, bench, options.cores) for point in expand(spec)]
+    for each in statuses:
+        if each.broken:
+            print(f"warning: {store.record_path(each.point.id)} is no record ({each.broken}).", file=sys.stderr)
+        mark = ", of another commit" if each.other_commit else ""
+        print(f"{each.point.id}  {each.point.name}: {each.state}{f' ({each.why})' if each.why else ''}{mark}")
+    print(f"{spec.name} ({spec.preset}): {status.counts(statuses)}")
+    other = sum(each.other_commit for each in statuses)
+    if other and bench:
+        print(f"{other} records come from another commit than this build ({bench.commit}). "
+              f"`sweep run {options.spec} --fresh` makes them again.")
+    return 0
+
+
+def _list(_options: argparse.Namespace) -> int:
+    for path in sorted(SPECS.glob("*.json")):
+        try:
+            numbers = {preset: len(expand(read_spec(path, preset))) for preset in ("quick", "full")}
+            print(f"{path.stem:<12} {numbers['quick']:>4} points quick, {numbers['full']:>4} full: "
+                  f"{read_spec(path).title}")
+        except InputError as error:
+            print(f"{path.stem:<12} {error}")
+    return 0
+
+
+def _read(options: argparse.Namespace) -> Spec:
+    if options.cores < 1:
+        raise InputError(f"{options.cores} cores make no sense (--cores). Give 1 or more.")
+    path = Path(options.spec)
+    if not path.suffix and not path.exists():
+        path = SPECS / f"{options.spec}.json"
+        if not path.exists():
+            raise InputError(f"there is no spec '{options.spec}' (in {SPECS}). "
+                             f"{nearest(options.spec, [each.stem for each in sorted(SPECS.glob('*.json'))])}")
+    return read_spec(path, options.preset)
+
+
+def _tell_troubles(statuses: list[PointStatus]) -> None:
+    for each in statuses:
+        if each.state in (FAILED, CHECK_FAILED):
+            print(f"  {each.state}: {each.point.name} ({each.point.id}): {each.why}", file=sys.stderr)
+    if any(each.state in (FAILED, CHECK_FAILED) for each in statuses):
+        print("  --rerun-failed runs them again", file=sys.stderr)

@@ -1,0 +1,77 @@
+"""What a point may set: each parameter's option of dem_bench, its type and its names."""
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from sweep.errors import InputError, nearest
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One key of a spec's fixed and axes. A build need not have every one of `names`: dem_bench --list says."""
+    option: str
+    kind: type
+    names: tuple[str, ...] = ()
+    least: float = -math.inf
+
+
+PARAMETERS = {
+    "scene": Parameter("--scene", str),
+    "scene_file": Parameter("--scene-file", str),
+    "particles": Parameter("--particles", int, least=1),
+    "vertices": Parameter("--vertices", int, least=0),
+    "seed": Parameter("--seed", int, least=0),
+    "halo": Parameter("--halo", str, ("relative", "published")),
+    "size_ratio": Parameter("--size-ratio", float, least=1),
+    "kernel": Parameter("--kernel", str, ("brute", "brute-simd", "iterative", "hybrid-pair", "hybrid-batch", "sphere")),
+    "precheck": Parameter("--precheck", str, ("none", "sphere", "box", "octree")),
+    "grid": Parameter("--grid", str, ("none", "regular", "adaptive", "reluctant")),
+    "contact_rule": Parameter("--contact-rule", str, ("all-pairs", "dedupe", "nearest")),
+    "scheme": Parameter("--scheme", str, ("serial", "plain", "task")),
+    "runtime": Parameter("--runtime", str, ("default", "tbb", "openmp")),
+    "threads": Parameter("--threads", int, least=1),
+    "subdivision": Parameter("--subdivision", int, least=2),
+    "steps": Parameter("--steps", int, least=1),
+    "end_s": Parameter("--end", float, least=1e-9),
+    "repeats": Parameter("--repeats", int, least=1),
+    "warmup": Parameter("--warmup", int, least=0),
+    "check_steps": Parameter("--check-steps", int, least=1),
+    "vtk_every_s": Parameter("--vtk-every", float, least=1e-9),
+}
+
+
+def check_key(key: str, where: str) -> None:
+    """InputError for a key that is no parameter."""
+    if key not in PARAMETERS:
+        raise InputError(f"unknown parameter '{key}' ({where}). {nearest(key, PARAMETERS)}")
+
+
+def typed(key: str, value: Any, where: str) -> Any:
+    """The value as the parameter's own type, so that 1 and 1.0 make the same point; InputError if it is none."""
+    check_key(key, where)
+    wanted = PARAMETERS[key]
+    if wanted.kind is str:
+        if not isinstance(value, str) or not value:
+            raise InputError(f"a name is expected, not {value!r} ({where}). {_examples(wanted)}")
+        if wanted.names and value not in wanted.names:
+            raise InputError(f"unknown {key} '{value}' ({where}). {nearest(value, wanted.names)}")
+        return value
+    whole = wanted.kind is int
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or _not_finite(value) or (whole and value % 1):
+        raise InputError(f"a {'whole ' if whole else ''}number is expected, not {value!r} ({where}). Give one number.")
+    if value < wanted.least:
+        raise InputError(f"{value} is too small ({where}). The least is {wanted.least:g}.")
+    return wanted.kind(value)
+
+
+def arguments(params: dict[str, Any]) -> list[str]:
+    """Options and values of dem_bench for typed parameters."""
+    return [word for key, value in params.items() for word in (PARAMETERS[key].option, str(value))]
+
+
+def _not_finite(value: Any) -> bool:
+    return isinstance(value, float) and not math.isfinite(value)
+
+
+def _examples(wanted: Parameter) -> str:
+    return f"Known: {', '.join(wanted.names)}." if wanted.names else "Write it in quotes."

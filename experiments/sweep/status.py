@@ -1,0 +1,64 @@
+"""What became of every point of a spec, and the index that says so to the plots."""
+from collections import Counter
+from dataclasses import dataclass
+
+from sweep.bench import Bench
+from sweep.points import Point
+from sweep.spec import Spec
+from sweep.store import Store, now
+
+FINISHED = "finished"
+CHECK_FAILED = "check failed"
+FAILED = "failed"
+MISSING = "missing"
+BIGGER_MACHINE = "needs a bigger machine"
+NOT_AVAILABLE = "not available in this build"
+ORDER = (FINISHED, CHECK_FAILED, FAILED, MISSING, BIGGER_MACHINE, NOT_AVAILABLE)
+
+
+@dataclass(frozen=True)
+class PointStatus:
+    """`state` is one of ORDER; `why` says more where there is more to say. `other_commit`: the record was made by
+    another build than the present one."""
+    point: Point
+    state: str
+    why: str = ""
+    other_commit: bool = False
+    broken: str | None = None
+
+
+def status_of(point: Point, store: Store, bench: Bench | None, cores: int) -> PointStatus:
+    """Looks at the record first: one that was made elsewhere counts, whatever this machine and build can do."""
+    record, broken = store.load(point.id)
+    if record is not None:
+        commit = record.get("build", {}).get("commit")
+        other = bench is not None and bench.commit is not None and commit is not None and commit != bench.commit
+        if record["status"] == "failed":
+            return PointStatus(point, FAILED, record.get("reason", ""), other)
+        if record["check"]["passed"]:
+            return PointStatus(point, FINISHED, "", other)
+        failed = [str(how.get("what")) for how in record["check"].get("how", []) if not how.get("passed")]
+        return PointStatus(point, CHECK_FAILED, ", ".join(failed), other)
+    lacking = bench and (bench.lacks(point.params) or (point.start and bench.lacks(point.start.params)))
+    if lacking:
+        return PointStatus(point, NOT_AVAILABLE, lacking, broken=broken)
+    threads = point.params.get("threads", 1)
+    if threads > cores:
+        return PointStatus(point, BIGGER_MACHINE, f"{threads} threads, {cores} cores here", broken=broken)
+    return PointStatus(point, MISSING, broken=broken)
+
+
+def counts(statuses: list[PointStatus]) -> str:
+    """"3 finished, 2 missing"."""
+    number = Counter(status.state for status in statuses)
+    return ", ".join(f"{number[state]} {state}" for state in ORDER if number[state]) or "no points"
+
+
+def write_index(store: Store, spec: Spec, statuses: list[PointStatus], cores: int, took_s: dict[str, float]) -> None:
+    """States of all points of the preset last run, for plots and report; `took_s` are times of whole processes."""
+    store.write_index({
+        "spec": spec.name, "preset": spec.preset, "title": spec.title, "about": spec.about,
+        "axes": spec.axes, "elsewhere": spec.elsewhere, "cores": cores, "written_utc": now(), "took_s": took_s,
+        "points": [{"id": status.point.id, "name": status.point.name, "params": status.point.params,
+                    "state": status.state, "why": status.why,
+                    "start_state": status.point.start.id if status.point.start else None} for status in statuses]})
