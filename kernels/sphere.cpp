@@ -1,0 +1,58 @@
+#include "kernels/sphere.hpp"
+#include "kernels/pack.hpp"
+#include "kernels/point_triangle.hpp"
+
+namespace trigrain {
+
+SphereClosest closest_points(const Sphere& a, const Sphere& b) {
+  const Vec3<double> u = a.centre - b.centre;
+  const double distance = std::sqrt(squared(u));
+  const Vec3<double> n = distance > 0 ? (1 / distance) * u : Vec3<double>{1, 0, 0}; // towards A
+  return {a.centre - a.radius * n, b.centre + b.radius * n, distance - a.radius - b.radius};
+}
+
+PointOnTriangle closest_point(const Vec3<double>& point, const Triangle& t) {
+  const Vec3<double> from_point = closest_on_triangle_by_zones({0, 0, 0}, {t.a0 - point, t.a1 - point, t.a2 - point});
+  return {from_point + point, squared(from_point)};
+}
+
+namespace {
+
+/// Squared distance of the origin from the bounding box of a triangle.
+Lanes box_distance2(const Corners<Lanes>& t) {
+  const auto outside = [](const Lanes& u, const Lanes& v, const Lanes& w) {
+    return max(max(min(min(u, v), w), -max(max(u, v), w)), Lanes(0));
+  };
+  return squared(
+      Vec3<Lanes>{outside(t[0].x, t[1].x, t[2].x), outside(t[0].y, t[1].y, t[2].y), outside(t[0].z, t[1].z, t[2].z)});
+}
+
+} // namespace
+
+[[gnu::flatten]] void triangles_near_point(TrianglesView t, const Vec3<double>& centre, double reach,
+                                           std::vector<int>& indices) {
+  // What rounding can add to a distance, in units of the largest coordinate seen from the centre: corners, the point on
+  // the triangle and the square root carry a few epsilon each.
+  constexpr double slack = 16 * epsilon;
+  if (reach < 0) return indices.clear();
+  const Vec3<Lanes> c{Lanes(centre.x), Lanes(centre.y), Lanes(centre.z)};
+  const Vec3<Lanes> origin{Lanes(0), Lanes(0), Lanes(0)};
+  indices.resize(t.size);
+  int n = 0;
+  for (int first = 0; first < t.size; first += lane_count) {
+    Corners<Lanes> local = load_corners(t, first);
+    for (auto& corner : local) corner = corner - c;
+    const Lanes extent =
+        max(max(largest_coordinate(local[0]), largest_coordinate(local[1])), largest_coordinate(local[2]));
+    const Lanes limit = Lanes(reach) + Lanes(slack) * extent;
+    if (none_of(box_distance2(local) <= limit * limit)) continue;
+    const LaneMask near = squared(closest_on_triangle(origin, local)) <= limit * limit;
+    for (int lane = 0; lane < std::min(lane_count, t.size - first); ++lane) {
+      indices[n] = first + lane;
+      n += near[lane];
+    }
+  }
+  indices.resize(n);
+}
+
+} // namespace trigrain
