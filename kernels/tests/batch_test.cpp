@@ -1,0 +1,109 @@
+#include "pairs.hpp"
+#include <gtest/gtest.h>
+
+namespace trigrain {
+
+namespace {
+
+/// Triangles of both sides of random pairs, near enough to one another that some reach and some do not.
+Triangles crowd(int size, std::uint64_t first) {
+  Triangles t;
+  for (int k = 0; k < size; ++k) {
+    std::mt19937_64 random(first + k);
+    t.push_back(random_families()[k % 2].make(random).b); // general and separated
+  }
+  return t;
+}
+
+bool same(const Closest& x, const Closest& y) {
+  return x.upper == y.upper && x.lower == y.lower && x.fell_back == y.fell_back && x.p.x == y.p.x && x.p.y == y.p.y &&
+         x.p.z == y.p.z && x.q.x == y.q.x && x.q.y == y.q.y && x.q.z == y.q.z;
+}
+
+} // namespace
+
+// Ragged sizes leave lanes of padding; none of them may answer or change an answer.
+TEST(Batches, GiveEveryPairTheAnswerItGetsAlone) {
+  for (const Kernel& kernel : kernels())
+    for (const auto& [m, n] : {std::pair{1, 1},
+                               {1, 2},
+                               {2, 3},
+                               {3, 1},
+                               {4, 4},
+                               {5, 7},
+                               {7, 15},
+                               {1, 16},
+                               {2, 17},
+                               {3, 33},
+                               {35, 5},
+                               {17, 35}})
+      for (const double reach : {0.3, everywhere}) {
+        const Triangles a = crowd(m, 100), b = crowd(n, 900);
+        std::vector<Hit> hits, expected;
+        KernelCounts counts;
+        kernel.closest(a.view(), b.view(), reach, hits, counts);
+        EXPECT_EQ(counts.triangle_pairs, m * n);
+        for (int i = 0; i < m; ++i)
+          for (int j = 0; j < n; ++j)
+            if (const Closest c = solve(kernel, a.view()[i], b.view()[j]); c.upper <= reach)
+              expected.push_back({i, j, c});
+        ASSERT_EQ(hits.size(), expected.size()) << kernel.name << ' ' << m << " x " << n << " reach " << reach;
+        for (std::size_t k = 0; k < hits.size(); ++k) {
+          ASSERT_EQ(hits[k].i, expected[k].i);
+          ASSERT_EQ(hits[k].j, expected[k].j);
+          ASSERT_TRUE(same(hits[k].closest, expected[k].closest))
+              << kernel.name << ' ' << hits[k].i << ' ' << hits[k].j;
+        }
+      }
+}
+
+TEST(Batches, EverySizeUpToThreePacksReportsEveryPairInOrder) {
+  for (const Kernel& kernel : kernels())
+    for (int n = 1; n <= 35; ++n) {
+      const Triangles a = crowd(2, 5), b = crowd(n, 50);
+      std::vector<Hit> hits;
+      KernelCounts counts;
+      kernel.closest(a.view(), b.view(), everywhere, hits, counts);
+      ASSERT_EQ(static_cast<int>(hits.size()), 2 * n) << kernel.name;
+      for (int k = 0; k < 2 * n; ++k) ASSERT_EQ(hits[k].i * n + hits[k].j, k) << kernel.name;
+    }
+}
+
+TEST(Batches, NothingAgainstSomethingIsNothing) {
+  const Triangles none, some = crowd(3, 1);
+  for (const Kernel& kernel : kernels()) {
+    std::vector<Hit> hits;
+    KernelCounts counts;
+    kernel.closest(none.view(), some.view(), everywhere, hits, counts);
+    kernel.closest(some.view(), none.view(), everywhere, hits, counts);
+    EXPECT_TRUE(hits.empty());
+    EXPECT_EQ(counts.triangle_pairs, 0);
+  }
+}
+
+TEST(Batches, HitsAreAppendedAndCountsAreAddedTo) {
+  const Triangles a = crowd(3, 1), b = crowd(4, 7);
+  for (const Kernel& kernel : kernels()) {
+    std::vector<Hit> hits;
+    KernelCounts counts;
+    kernel.closest(a.view(), b.view(), everywhere, hits, counts);
+    const KernelCounts once = counts;
+    kernel.closest(a.view(), b.view(), everywhere, hits, counts);
+    EXPECT_EQ(hits.size(), 24u);
+    EXPECT_EQ(counts.triangle_pairs, 24);
+    EXPECT_EQ(counts.newton_steps, 2 * once.newton_steps);
+    EXPECT_EQ(counts.fall_backs, 2 * once.fall_backs);
+  }
+}
+
+TEST(HybridPair, CountsItsFallBacks) {
+  const Triangle a{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, crossing{{.2, .2, -1}, {.2, .2, 1}, {2, 2, 1}};
+  std::vector<Hit> hits;
+  KernelCounts counts;
+  const Triangles ta = only(a), tb = only(crossing);
+  kernels()[2].closest(ta.view(), tb.view(), everywhere, hits, counts);
+  EXPECT_EQ(counts.fall_backs, 1);
+  EXPECT_TRUE(hits.at(0).closest.fell_back);
+}
+
+} // namespace trigrain

@@ -1,0 +1,75 @@
+#include "kernels/name_table.hpp"
+#include "pairs.hpp"
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace trigrain {
+
+class EveryKernel : public testing::TestWithParam<Kernel> {
+ protected:
+  bool exact() const { return GetParam().name != "iterative"; }
+};
+
+TEST_P(EveryKernel, MeetsTheReferenceDistancesInBothOrders) {
+  const std::vector<ReferencePair> pairs = reference_pairs();
+  ASSERT_EQ(pairs.size(), 2040u);
+  double worst = 0;
+  for (const auto& [pair, distance] : pairs) {
+    const Closest ab = solve(GetParam(), pair.a, pair.b), ba = solve(GetParam(), pair.b, pair.a);
+    EXPECT_EQ(fault(ab, pair, distance, 1e-14, exact()), "") << pair;
+    EXPECT_EQ(fault(ba, {pair.family, pair.b, pair.a}, distance, 1e-14, exact()), "") << "swapped " << pair;
+    if (exact()) {
+      EXPECT_LE(std::fabs(ab.upper - ba.upper), 2e-15 * scale(pair)) << pair;
+    }
+    worst = std::max(worst, std::fabs(ab.upper - distance) / scale(pair));
+  }
+  RecordProperty("worst_error_over_S", std::to_string(worst));
+}
+
+// Families of the reference file that lie apart by a good part of an edge: the certificate must see it.
+TEST_P(EveryKernel, ProvesAUsefulLowerBoundForSeparatedPairs) {
+  if (!exact()) GTEST_SKIP() << "an inexact iterate proves what it can";
+  for (const auto& [pair, distance] : reference_pairs())
+    if (pair.family == "random_sep") EXPECT_GE(solve(GetParam(), pair.a, pair.b).lower, distance * (1 - 1e-12)) << pair;
+}
+}
+
+// Penalty Newton with four steps: how good the published baseline is here is part of its description (newton.hpp).
+TEST(Iterative, IsWithinATenthOfAnEdgeOfTheReference) {
+  for (const auto& [pair, distance] : reference_pairs())
+    EXPECT_LE(solve(row_named(kernels(), "kernel", "iterative"), pair.a, pair.b).upper - distance, 0.1 * scale(pair))
+        << pair;
+}
+
+TEST_P(EveryKernel, ScalesBitForBitWithPowersOfTwo) {
+  for (const auto& [pair, distance] : reference_pairs())
+    for (const int power : {-60, -7, 1, 50}) {
+      const double f = std::ldexp(1, power);
+      const auto scaled = [&](const Triangle& t) { return Triangle{f * t.a0, f * t.a1, f * t.a2}; };
+      const Closest one = solve(GetParam(), pair.a, pair.b), other = solve(GetParam(), scaled(pair.a), scaled(pair.b));
+      ASSERT_EQ(f * one.upper, other.upper) << power << ' ' << pair;
+      ASSERT_EQ(f * one.lower, other.lower) << power << ' ' << pair;
+      ASSERT_EQ(f * one.p.x, other.p.x) << power << ' ' << pair;
+      ASSERT_EQ(f * one.q.z, other.q.z) << power << ' ' << pair;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, EveryKernel, testing::ValuesIn(kernels().begin(), kernels().end()),
+                         [](const auto& info) {
+                           std::string name(info.param.name);
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(KernelTable, AnUnknownNameListsTheKnownOnes) {
+  try {
+    row_named(kernels(), "kernel", "brutal");
+    FAIL() << "accepted";
+  } catch (const InputError& e) {
+    const std::string text = e.what();
+    EXPECT_NE(text.find("unknown kernel 'brutal'"), text.npos) << text;
+    for (const Kernel& k : kernels()) EXPECT_NE(text.find(k.name), text.npos) << text;
+  }
+}
+
+} // namespace trigrain
