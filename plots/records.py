@@ -1,0 +1,102 @@
+"""Reads one sweep's folder under results/: its index and the records of its points."""
+import json
+import statistics
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+DRAWN = "finished"
+
+
+class NothingToDraw(Exception):
+    """There are no results of that sweep; says what to do."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of a sweep. `state` is "finished" only if its record may be drawn; `why` says more about other states."""
+    id: str
+    params: dict[str, Any]
+    state: str
+    why: str
+    record: dict | None
+
+    def microseconds(self) -> list[float]:
+        """Wall time (us) per particle and step of every sample, sorted."""
+        particles = self.record["scene"]["moving_bodies"]
+        return sorted(1e6 * s["wall_s"] / s["steps"] / particles for s in self.record["samples"])
+
+    def median(self) -> float:
+        """Median of microseconds()."""
+        return statistics.median(self.microseconds())
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What is known about a sweep: title, panels that need another machine, and all its points in order."""
+    name: str
+    preset: str
+    title: str
+    about: str
+    elsewhere: list[dict[str, str]]
+    points: list[Point]
+    folder: Path
+
+    def drawn(self) -> list[Point]:
+        return [point for point in self.points if point.state == DRAWN]
+
+
+def load_sweep(results: Path, name: str) -> Sweep:
+    """The sweep `name` as its last run left it. NothingToDraw if it has never run."""
+    folder = results / name
+    try:
+        index = json.loads((folder / "index.json").read_text(encoding="utf-8"))
+        entries = index["points"]
+    except (OSError, ValueError, KeyError) as error:
+        raise NothingToDraw(f"no results to draw ({folder / 'index.json'}: {type(error).__name__}). "
+                            f"Run `build/release/bin/sweep run {name}` first.") from None
+    return Sweep(name, index["preset"], index["title"], index["about"], index["elsewhere"],
+                 [_point(folder, entry) for entry in entries], folder)
+
+
+def _point(folder: Path, entry: dict) -> Point:
+    state, why, record = entry["state"], entry["why"], _record(folder / f"{entry['id']}.json", entry["id"])
+    if record is None:
+        state, why = ("missing", "its record is not there") if state == DRAWN else (state, why)
+    else:
+        state, why = _verdict(record, why)
+    return Point(entry["id"], entry["params"], state, why, record)
+
+
+def _verdict(record: dict, why: str) -> tuple[str, str]:
+    """Whether a record may be drawn. The record decides, whatever the index says."""
+    if record["status"] != "finished":
+        return "failed", record.get("reason", why)
+    if record["check"]["passed"] is not True:
+        return "check failed", ", ".join(how["what"] for how in record["check"]["how"] if not how["passed"])
+    if record["placement"]["oversubscribed"]:
+        return "oversubscribed", f"{record['placement']['asked_threads']} threads on fewer cores"
+    if not record["samples"]:
+        return "failed", "no sample"
+    return DRAWN, ""
+
+
+def _record(path: Path, id: str) -> dict | None:
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        return record if record["schema"] == "trigrain-record-1" and record["point_id"] == id else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def provenance(points: list[Point]) -> list[str]:
+    """One line for every combination of machine, compiler and commit that the drawn points come from."""
+    lines = dict.fromkeys(_origin(point.record) for point in points if point.state == DRAWN)
+    return list(lines)
+
+
+def _origin(record: dict) -> str:
+    machine, build = record["machine"], record["build"]
+    commit = (build["commit"] or "unknown")[:10] + (" with changes" if build["dirty"] else "")
+    return (f"{machine['cpu']}, {machine['cores']} cores, {machine['os_kernel']}; {build['compiler']}, "
+            f"{build['build_type']}, {build['arch_resolved'] or build['arch']}; commit {commit}")
