@@ -22,7 +22,8 @@ bool any_bodies(const Particles&, BodyPair) { return true; }
 
 bool near_bodies(const Particles& p, BodyPair pair) {
   const double r = p.radius[pair.a] + p.radius[pair.b] + p.halo[pair.a] + p.halo[pair.b];
-  return (p.position[pair.a] - p.position[pair.b]).squaredNorm() <= r * r * (1 + 1e-12); // rounding must not lose a pair
+  return (p.position[pair.a] - p.position[pair.b]).squaredNorm() <=
+         r * r * (1 + 1e-12); // rounding must not lose a pair
 }
 
 void all_triangles(TrianglesView triangles, const Vec3<double>&, double, std::vector<int>& indices) {
@@ -51,8 +52,10 @@ void keep_nearest(const Particles& p, std::vector<Contact>& contacts, std::size_
     const auto same = std::find_if(contacts.begin() + first, contacts.begin() + end, [&](const Contact& k) {
       return k.feature_a == contact.feature_a && k.feature_b == contact.feature_b;
     });
-    if (same == contacts.begin() + end) contacts[end++] = contact;
-    else if (contact.overlap > same->overlap) *same = contact;
+    if (same == contacts.begin() + end)
+      contacts[end++] = contact;
+    else if (contact.overlap > same->overlap)
+      *same = contact;
   }
   contacts.resize(end);
   std::sort(contacts.begin() + first, contacts.end(), [](const Contact& l, const Contact& r) {
@@ -67,8 +70,8 @@ constexpr ContactRule rule_table[] = {
 
 // --- one body pair
 
-/// Appends the contact at `point` (world) with `pq` = P - Q, if it is shorter than reach. Taking P - Q from the body's own
-/// frame keeps its digits far from the world's origin.
+/// Appends the contact at `point` (world) with `pq` = P - Q, if it is shorter than reach. Taking P - Q from the body's
+/// own frame keeps its digits far from the world's origin.
 void add_contact(BodyPair pair, int feature_a, int feature_b, const Vector3d& point, const Vector3d& pq,
                  WorkerBuffer& buffer) {
   const double distance = pq.norm();
@@ -103,8 +106,10 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
     const double distance = to_centre.norm(), gap = std::max(0., distance - r);
     const Vector3d gap_vector = distance > 0 ? (gap / distance * to_centre).eval() : Vector3d::Zero(); // to the sphere
     const Vector3d point = particles.position[sphere] - to_centre + gap_vector / 2;
-    if (sphere_is_a) add_contact(pair, 0, i, point, gap_vector, buffer);
-    else add_contact(pair, i, 0, point, -gap_vector, buffer);
+    if (sphere_is_a)
+      add_contact(pair, 0, i, point, gap_vector, buffer);
+    else
+      add_contact(pair, i, 0, point, -gap_vector, buffer);
   }
 }
 
@@ -158,9 +163,12 @@ void collide(const Particles& particles, BodyPair pair, const NarrowPhase& narro
   const std::size_t first = buffer.contacts.size();
   buffer.reach = particles.halo[pair.a] + particles.halo[pair.b];
   const bool sphere_a = particles.is_sphere(pair.a), sphere_b = particles.is_sphere(pair.b);
-  if (sphere_a && sphere_b) collide_spheres(particles, pair, buffer);
-  else if (sphere_a || sphere_b) collide_sphere_mesh(particles, pair, narrow, buffer);
-  else collide_meshes(particles, pair, narrow, buffer);
+  if (sphere_a && sphere_b)
+    collide_spheres(particles, pair, buffer);
+  else if (sphere_a || sphere_b)
+    collide_sphere_mesh(particles, pair, narrow, buffer);
+  else
+    collide_meshes(particles, pair, narrow, buffer);
   if (buffer.contacts.size() > first) narrow.rule->reduce(particles, buffer.contacts, first);
 }
 

@@ -13,9 +13,9 @@ namespace trigrain {
 struct Contact {
   int a, b;                          ///< bodies, a < b
   int feature_a, feature_b;          ///< what touches: triangle or piece of surface, as the contact rule says
-  Eigen::Vector3d point;             ///< midpoint of the closest points P on A and Q on B (m)
-  Eigen::Vector3d normal;            ///< unit, from Q to P: towards A
-  double overlap;                    ///< sum of halos - |PQ| (m), > 0
+  Eigen::Vector3d point{0, 0, 0};      ///< midpoint of the closest points P on A and Q on B (m)
+  Eigen::Vector3d normal{0, 0, 0};     ///< unit, from Q to P: towards A
+  double overlap = 0;                  ///< sum of halos - |PQ| (m), > 0
   Eigen::Vector3d tangential{0, 0, 0}; ///< stretch of the tangential spring (m), kept from step to step
   Eigen::Vector3d force{0, 0, 0};      ///< on A (N); B gets the opposite
 };

@@ -38,7 +38,8 @@ void contact_forces(const Particles& p, const ContactParameters& law, double ste
     // The spring turns with the contact plane and keeps its length.
     const Vector3d in_plane = c.tangential - c.tangential.dot(c.normal) * c.normal;
     const double length = in_plane.norm();
-    Vector3d spring = length > 0 ? (c.tangential.norm() / length * in_plane + step_s * slip).eval() : (step_s * slip).eval();
+    Vector3d spring =
+        length > 0 ? (c.tangential.norm() / length * in_plane + step_s * slip).eval() : (step_s * slip).eval();
     Vector3d f_t = -kt * spring - damping_t * slip;
     const double most = law.friction * f_n, size = f_t.norm();
     if (size > most) { // sliding: the spring gives way until spring and dashpot together carry mu f_n

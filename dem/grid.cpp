@@ -153,7 +153,8 @@ void Grid::find_partners() {
         while (from < end && vertex_[from].key < middle - 1) ++from;
         to = std::max(to, from);
         while (to < end && vertex_[to].key <= middle + 1) ++to;
-        vertex_[v].partners[r + 1] = from < to ? Range{vertex_[from].bodies.begin, vertex_[to - 1].bodies.end} : Range{};
+        vertex_[v].partners[r + 1] =
+            from < to ? Range{vertex_[from].bodies.begin, vertex_[to - 1].bodies.end} : Range{};
       }
     }
   }

@@ -14,8 +14,8 @@ namespace trigrain {
 struct Team::Arena {
   explicit Arena(int threads)
       : allow(tbb::global_control::max_allowed_parallelism,
-              std::max<std::size_t>(threads, tbb::global_control::active_value(
-                                                 tbb::global_control::max_allowed_parallelism))),
+              std::max<std::size_t>(threads,
+                                    tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism))),
         arena(threads) {}
   tbb::global_control allow;
   tbb::task_arena arena;
@@ -43,11 +43,13 @@ void openmp_for(Team& team, int count, int grain, RangeBody body) {
 }
 
 void openmp_produce(Team& team, Producer producer, Consumer consumer) {
+  const Consumer* run = &consumer; // outlives the tasks, which the frame that spawns them does not
 #pragma omp parallel num_threads(team.threads())
 #pragma omp single
-  producer([&](const void* task) {
-#pragma omp task firstprivate(task) shared(consumer)
-    consumer(task, omp_get_thread_num());
+  producer([run](const void* task) {
+    const Consumer* consume = run;
+#pragma omp task firstprivate(task, consume)
+    (*consume)(task, omp_get_thread_num());
   });
   // The barrier at the end of `single` joins all tasks.
 }

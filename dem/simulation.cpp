@@ -15,11 +15,11 @@ constexpr int grain = 256; // contacts or bodies a worker takes at a time
 
 /// Adds the wall time of a scope to one phase.
 class PhaseTimer {
-public:
+ public:
   PhaseTimer(StepStats& stats, Phase phase) : seconds_(stats.seconds[static_cast<std::size_t>(phase)]) {}
   ~PhaseTimer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
-private:
+ private:
   double& seconds_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
@@ -31,7 +31,8 @@ struct Run {
 };
 
 const Runtime& runtime_for(const Options& options, const Scheme& scheme) {
-  if (options.runtime == "default" || scheme.runtime == "serial") return row_named(runtimes(), "runtime", scheme.runtime);
+  if (options.runtime == "default" || scheme.runtime == "serial")
+    return row_named(runtimes(), "runtime", scheme.runtime);
   return row_named(runtimes(), "runtime", options.runtime);
 }
 

@@ -113,7 +113,7 @@ TEST(Forces, BothBodiesGetOppositeForceAndTheirTorquesAndItAddsUpToNothing) {
     p.add(ball);
   }
   const Vector3d n = (p.position[0] - p.position[1]).normalized();
-  std::vector<Contact> contacts{{0, 1, 0, 0, {.2, .45, .1}, n, 1e-3, {1e-5, 0, 2e-5}}};
+  std::vector<Contact> contacts{{0, 1, 0, 0, {.2, .45, .1}, n, .2, {1e-5, 0, 2e-5}}};
   contact_forces(p, {}, 1e-5, contacts);
   Loads loads{{Vector3d::Zero(), Vector3d::Zero()}, {Vector3d::Zero(), Vector3d::Zero()}};
   add_contact_loads(p, contacts, loads);
@@ -146,9 +146,11 @@ TEST(Forces, FrictionIsCappedByCoulombsLaw) {
 }
 
 TEST(Forces, SpringsAreCarriedToTheSameContactOnly) {
-  const Contact spring{1, 2, 3, 4, {}, {}, 0, {1, 2, 3}};
-  std::vector<Contact> last{{0, 5, 0, 0, {}, {}, 0, {9, 9, 9}}, spring};
-  std::vector<Contact> now{{1, 2, 3, 3, {}, {}, 0}, {1, 2, 3, 4, {}, {}, 0}, {1, 3, 3, 4, {}, {}, 0}};
+  const auto contact = [](int a, int b, int feature_a, int feature_b, const Vector3d& spring) {
+    return Contact{.a = a, .b = b, .feature_a = feature_a, .feature_b = feature_b, .tangential = spring};
+  };
+  const std::vector<Contact> last{contact(0, 5, 0, 0, {9, 9, 9}), contact(1, 2, 3, 4, {1, 2, 3})};
+  std::vector<Contact> now{contact(1, 2, 3, 3, {0, 0, 0}), contact(1, 2, 3, 4, {0, 0, 0}), contact(1, 3, 3, 4, {0, 0, 0})};
   carry_springs(last, now);
   EXPECT_EQ(now[0].tangential, Vector3d::Zero());
   EXPECT_EQ(now[1].tangential, Vector3d(1, 2, 3));

@@ -8,17 +8,17 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// 200 grains close together over the funnel, moving, so that contacts begin at once.
-Scene crowded_hopper() {
-  Scene scene = make_scene("hopper-dense", {.particles = 200, .vertices = 10});
-  int i = 0;
-  for (Body& body : scene.bodies)
-    if (!body.fixed) body.velocity = Vector3d(std::sin(1. * ++i), std::sin(2. * i), std::sin(3. * i)) * 2;
+/// A hopper of `grains` granulates in the midst of its flow: many grains touch each other and the walls.
+Scene flowing_hopper(int grains) {
+  Scene scene = make_scene("hopper", {.particles = grains, .vertices = 10, .halo = "published"});
+  Simulation sim(scene, {});
+  while (sim.time() < .2) sim.step();
+  for (int i = 0; i < sim.particles().size(); ++i) scene.bodies[i] = sim.particles().body(i);
   return scene;
 }
 
 TEST(Simulation, EverySchemeRuntimeAndThreadCountGivesTheSameBits) {
-  const Scene scene = crowded_hopper();
+  const Scene scene = flowing_hopper(200);
   for (const char* rule : {"nearest", "all-pairs"}) {
     Simulation reference(scene, {.contact_rule = rule, .scheme = "serial"});
     const StepStats serial = reference.run(200);
@@ -41,15 +41,15 @@ TEST(Simulation, EverySchemeRuntimeAndThreadCountGivesTheSameBits) {
 }
 
 TEST(Simulation, GridsAndPrechecksChangeTheWorkAndNotTheResult) {
-  const Scene scene = crowded_hopper();
+  const Scene scene = flowing_hopper(60);
   Simulation reference(scene, {.kernel = "brute", .precheck = "none", .grid = "none"});
-  const StepStats all = reference.run(10);
+  const StepStats all = reference.run(5);
   for (const GridKind& grid : grid_kinds())
     for (const Precheck& precheck : prechecks())
       for (const int k : {2, 3}) {
         Simulation sim(scene, {.kernel = "brute", .precheck = std::string(precheck.name), .grid = std::string(grid.name),
                                .subdivision = k});
-        const StepStats stats = sim.run(10);
+        const StepStats stats = sim.run(5);
         EXPECT_EQ(sim.state_hash(), reference.state_hash()) << grid.name << " " << precheck.name << " " << k;
         EXPECT_EQ(stats.contacts, all.contacts);
         EXPECT_LE(stats.triangle_pairs, all.triangle_pairs);
@@ -69,7 +69,7 @@ TEST(Simulation, TheSameSeedGivesTheSameBitsAndAnotherSeedOthers) {
 /// A cube of edge .1 m above a wide floor at y = 0, tilted about a skew axis.
 Scene tilted_cube() {
   Scene scene;
-  scene.contact = {.stiffness = 2e4, .damping_ratio = .5, .friction = .5};
+  scene.contact = {.stiffness = 2e6, .damping_ratio = .5, .friction = .5};
   scene.time.step = 2e-5;
   scene.domain = {.min = {-1, -1, -1}, .size = 2};
   Body floor;
@@ -91,8 +91,8 @@ TEST(Simulation, ATiltedCubeDroppedOnAPlaneComesToRestOnAFace) {
     const double start = sim.energy().total();
     while (sim.time() < 2) sim.step();
     const Particles& p = sim.particles();
-    // Weight 9.81 N on 2e4 N/m per contact: at most .49 mm of the halos' 2 mm are pressed in.
-    EXPECT_GT(p.position[1].y(), .05 + 2e-3 - 9.81 / 2e4 - 2e-5) << rule.name;
+    // 9.81 N on 2e6 N/m: at most 4.9 um of the halos' 2 mm are pressed in.
+    EXPECT_GT(p.position[1].y(), .05 + 2e-3 - 9.81 / 2e6 - 1e-6) << rule.name;
     EXPECT_LT(p.position[1].y(), .05 + 2e-3) << rule.name;
     const Eigen::Matrix3d r = p.orientation[1].toRotationMatrix();
     EXPECT_NEAR(r.row(1).cwiseAbs().maxCoeff(), 1, 1e-4) << rule.name << ": one face lies flat";
@@ -130,6 +130,8 @@ TEST(Simulation, ElasticImpactsConserveMomentumAndEnergyAndDampedOnesLoseEnergy)
     scene.contact.damping_ratio = zeta;
     scene.contact.friction = 0;
     for (Body& b : scene.bodies) b.velocity = (Vector3d::Constant(.5) - b.position) * 2; // all meet in the middle
+    scene.contact.stiffness *= 1e4; // the scene's own is meant for slower bodies
+    scene.time.step /= 400;
     Simulation sim(scene, {});
     Vector3d momentum = Vector3d::Zero(), spin = Vector3d::Zero();
     const auto add_up = [&] {
@@ -148,7 +150,9 @@ TEST(Simulation, ElasticImpactsConserveMomentumAndEnergyAndDampedOnesLoseEnergy)
     while (sim.time() < .5) {
       contacts += sim.step().contacts;
       e = sim.energy().total();
-      if (zeta > 0) ASSERT_LT(e, e0 * 1.001);
+      if (zeta > 0) {
+        ASSERT_LT(e, e0 * 1.001);
+      }
     }
     add_up();
     EXPECT_GT(contacts, 100);
