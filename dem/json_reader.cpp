@@ -173,8 +173,11 @@ bool JsonReader::flag() const {
 }
 
 std::string JsonReader::text() const {
-  if (!value_->is_string() || value_->get_ref<const std::string&>().empty()) refuse_unless("text");
-  return value_->get<std::string>();
+  if (!value_->is_string()) refuse_unless("text");
+  const std::string text = value_->get<std::string>();
+  if (text.empty() || std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < ' '; }))
+    refuse_unless("text without control characters");
+  return text;
 }
 
 std::string JsonReader::one_of(std::initializer_list<std::string_view> names) const {
@@ -185,7 +188,10 @@ std::string JsonReader::one_of(std::initializer_list<std::string_view> names) co
 }
 
 void JsonReader::refuse(const std::string& problem, const std::string& what_to_do) const {
-  throw InputError(problem + " (" + place() + "). " + what_to_do);
+  std::string message = problem + " (" + place() + "). " + what_to_do;
+  std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return c < ' '; }, '?'); // keys may hold any
+  throw InputError(message);
 }
 
 void JsonReader::refuse_unless(const std::string& expected) const {
