@@ -1,0 +1,165 @@
+#include "experiments/run_point.hpp"
+#include "experiments/counters.hpp"
+#include "experiments/vtk.hpp"
+#include "kernels/name_table.hpp"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <set>
+
+namespace trigrain {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string utc_now() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+/// Length of one sample: whichever comes first of so many steps and so much simulated time.
+struct Length {
+  std::int64_t steps = std::numeric_limits<std::int64_t>::max();
+  double duration = std::numeric_limits<double>::infinity(); ///< s, after the warm-up
+
+  double share(std::int64_t steps_done, double time_done) const {
+    return std::max(static_cast<double>(steps_done) / static_cast<double>(steps), time_done / duration);
+  }
+  /// Times are sums of steps: the tolerance keeps their rounding from adding a step.
+  bool reached(std::int64_t steps_done, double time_done) const {
+    return steps_done >= steps || time_done >= duration * (1 - 1e-9);
+  }
+};
+
+Length length_of(const BenchRequest& request, const Scene& scene) {
+  if (request.steps) return {.steps = *request.steps};
+  return {.duration = request.end ? *request.end : scene.time.end};
+}
+
+/// Everything that takes part in one sample.
+class Sampler {
+ public:
+  Sampler(const PointResult& point, const BenchRequest& request, HardwareCounters& counters,
+          const std::function<void(const Progress&)>& report)
+      : point_(point), request_(request), length_(length_of(request, point.scene)), counters_(counters),
+        report_(report) {}
+
+  /// A fresh simulation, warmed up and run; `frames` may be null.
+  Sample run(int number, FrameWriter* frames, FinalState& last) {
+    Simulation simulation(point_.scene, request_.options);
+    simulation.run(request_.warmup);
+    const double start = simulation.time();
+    Sample sample;
+    sample.initial = simulation.energy();
+    double next_frame = start;
+    while (!length_.reached(sample.stats.steps, simulation.time() - start)) {
+      if (frames && simulation.time() >= next_frame) {
+        frames->write(simulation.particles(), point_.start_time + simulation.time());
+        next_frame = request_.vtk_every > 0 ? next_frame + request_.vtk_every : std::numeric_limits<double>::infinity();
+      }
+      run_slice(simulation, start, next_frame, sample);
+      if (report_)
+        report_({number, request_.repeats, length_.share(sample.stats.steps, simulation.time() - start),
+                 simulation.time()});
+    }
+    if (frames) frames->write(simulation.particles(), point_.start_time + simulation.time());
+    sample.final = simulation.energy();
+    sample.state_hash = simulation.state_hash();
+    sample.state = check_state(simulation.particles());
+    sample.bodies_outside = bodies_outside(simulation.particles(), point_.scene.domain);
+    sample.load_average = load_average();
+    last = final_state(simulation, point_.start_time);
+    return sample;
+  }
+
+ private:
+  /// Steps on the clock until the sample, a frame, or, where somebody watches, .2 s are over.
+  void run_slice(Simulation& simulation, double start, double next_frame, Sample& sample) {
+    const auto watched_until = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
+    const UsageMeter meter;
+    counters_.start();
+    do sample.stats += simulation.step();
+    while (!length_.reached(sample.stats.steps, simulation.time() - start) && simulation.time() < next_frame &&
+           !(report_ && std::chrono::steady_clock::now() > watched_until));
+    counters_.stop();
+    sample.used += meter.stop();
+  }
+
+  const PointResult& point_;
+  const BenchRequest& request_;
+  const Length length_;
+  HardwareCounters& counters_;
+  const std::function<void(const Progress&)>& report_;
+};
+
+CheckItem check_placement(const Json& placement) {
+  const int asked = placement["asked_threads"], observed = placement["observed_threads"];
+  return {"placement", asked == observed,
+          std::to_string(observed) + " threads observed, " + std::to_string(asked) + " asked for"};
+}
+
+CheckItem check_samples(const std::vector<Sample>& samples) {
+  std::set<std::uint64_t> hashes;
+  bool finite = true;
+  for (const Sample& sample : samples) {
+    hashes.insert(sample.state_hash);
+    finite = finite && sample.state.passed;
+  }
+  return {"samples", hashes.size() == 1 && finite,
+          std::to_string(samples.size()) + " samples, distinct last states: " + std::to_string(hashes.size()) +
+              "; the last one: " + samples.back().state.detail};
+}
+
+/// The scene as it is when the clock starts.
+Scene warmed_up(const Scene& scene, const BenchRequest& request) {
+  if (request.warmup == 0) return scene;
+  Simulation simulation(scene, request.options);
+  simulation.run(request.warmup);
+  return snapshot(simulation);
+}
+
+} // namespace
+
+PointResult run_point(const BenchRequest& request, const std::function<void(const Progress&)>& report) {
+  HardwareCounters counters; // before the first thread, so that it counts all of them
+  PointResult point;
+  point.started_utc = utc_now();
+  point.params = params_of(request);
+  StartingPoint start = starting_point(request);
+  point.scene = std::move(start.scene);
+  point.start_time = start.time;
+  Simulation(point.scene, request.options); // refuses bad names and values before anything is run or written
+
+  const Scheme& scheme = row_named(schemes(), "scheme", request.options.scheme);
+  const bool default_runtime = request.options.runtime == Options{}.runtime;
+  point.placement = observe_placement(default_runtime ? std::string(scheme.runtime) : request.options.runtime,
+                                      request.options.threads);
+  if (point.placement["oversubscribed"]) point.warnings.push_back("more threads than cores: not a measurement");
+
+  const std::int64_t steps = request.steps.value_or(20);
+  point.check = verify(warmed_up(point.scene, request), request.options,
+                       request.check_steps.value_or(std::min<std::int64_t>(steps, 20)));
+  point.check.how.push_back(check_placement(point.placement));
+  if (point.check.passed()) {
+    std::optional<FrameWriter> frames;
+    if (!request.vtk.empty()) frames.emplace(request.vtk);
+    if (frames) point.warnings.push_back("frames were written during the first sample: not a clean timing");
+    Sampler sampler(point, request, counters, report);
+    for (int number = 0; number < request.repeats; ++number)
+      point.samples.push_back(sampler.run(number, number == 0 && frames ? &*frames : nullptr, point.final_state));
+    point.check.how.push_back(check_samples(point.samples));
+    if (const int outside = point.samples.back().bodies_outside)
+      point.warnings.push_back(std::to_string(outside) + " bodies ended outside of the domain");
+  }
+  point.warnings.insert(point.warnings.end(), point.check.warnings.begin(), point.check.warnings.end());
+  point.counters = counters.report(static_cast<int>(point.samples.size()));
+  return point;
+}
+
+} // namespace trigrain

@@ -1,0 +1,48 @@
+#pragma once
+#include "experiments/command_line.hpp"
+#include "experiments/final_state.hpp"
+#include "experiments/machine.hpp"
+#include "experiments/verify.hpp"
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace trigrain {
+
+/// One timed run.
+struct Sample {
+  Usage used;
+  StepStats stats;
+  std::optional<double> load_average; ///< when it ended
+  Energy initial, final;
+  std::uint64_t state_hash = 0; ///< of its last state
+  CheckItem state;              ///< that state is finite
+  int bodies_outside = 0;
+};
+
+/// How far a run has come: called between steps, outside of the clock.
+struct Progress {
+  int sample, samples;
+  double share; ///< of this sample, 0 to 1
+  double time;  ///< simulated, s
+};
+
+/// What came of one point.
+struct PointResult {
+  Scene scene;
+  double start_time = 0; ///< s
+  nlohmann::ordered_json params, placement, counters;
+  Check check;
+  std::vector<Sample> samples; ///< empty if the check before the timing failed
+  FinalState final_state;      ///< of the last sample
+  std::vector<std::string> warnings;
+  std::string started_utc; ///< ISO 8601
+};
+
+/// Checks, then times; see dem_bench --help. Writes VTK frames (of the first sample) if they are asked for, and no
+/// other file. `report` may be empty. InputError for what the request gets wrong.
+PointResult run_point(const BenchRequest& request, const std::function<void(const Progress&)>& report);
+
+} // namespace trigrain

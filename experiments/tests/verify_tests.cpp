@@ -1,0 +1,169 @@
+#include "experiments/verify.hpp"
+#include "kernels/name_table.hpp"
+#include <gtest/gtest.h>
+
+namespace trigrain {
+namespace {
+
+const Kernel& brute() { return row_named(kernels(), "kernel", "brute"); }
+
+Scene two_granulates() {
+  Scene scene;
+  scene.name = "two";
+  const auto mesh = std::make_shared<const Mesh>(granulate(.02, 20, 3));
+  scene.bodies.push_back({.mesh = mesh, .position = {.49, .5, .5}, .velocity = {.1, 0, 0}, .halo = .0005});
+  scene.bodies.push_back({.mesh = mesh, .position = {.51, .5, .5}, .velocity = {-.1, 0, 0}, .halo = .0005});
+  return scene;
+}
+
+std::vector<TriangleBlock> blocks() {
+  Simulation simulation(two_granulates(), {});
+  simulation.step();
+  return sample_triangle_pairs(simulation, 2048, 1);
+}
+
+// Kernels with one fault each.
+
+void distances_off(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
+  brute().closest(a, b, reach, hits, counts);
+  for (Hit& hit : hits)
+    if (hit.i == 3 && hit.j == 3) hit.closest.upper *= 1 + 1e-9;
+}
+void points_off(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
+  brute().closest(a, b, reach, hits, counts);
+  for (Hit& hit : hits) hit.closest.p.x += 1e-9;
+}
+void last_row_left_out(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
+  brute().closest(a, b, reach, hits, counts);
+  std::erase_if(hits, [&](const Hit& hit) { return hit.i == a.size - 1; });
+}
+void contacts_lost(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
+  brute().closest(a, b, std::isfinite(reach) ? .6 * reach : reach, hits, counts);
+}
+void not_a_number(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
+  brute().closest(a, b, reach, hits, counts);
+  for (Hit& hit : hits) hit.closest.upper = std::nan("");
+}
+
+TEST(Verify, a_wrong_kernel_is_caught) {
+  const auto sample = blocks();
+  struct Fault {
+    const char* name;
+    KernelFunction closest;
+  };
+  for (const Fault& fault : {Fault{"distances_off", distances_off}, Fault{"points_off", points_off},
+                             Fault{"last_row_left_out", last_row_left_out}, Fault{"contacts_lost", contacts_lost},
+                             Fault{"not_a_number", not_a_number}}) {
+    Kernel wrong = brute();
+    wrong.name = fault.name;
+    wrong.closest = fault.closest;
+    const CheckItem item = check_kernel(wrong, brute(), sample);
+    EXPECT_FALSE(item.passed) << fault.name << ": " << item.detail;
+  }
+  EXPECT_TRUE(check_kernel(brute(), brute(), sample).passed);
+}
+
+TEST(Verify, the_sample_holds_near_and_far_pairs) {
+  std::int64_t pairs = 0, near = 0;
+  for (const TriangleBlock& block : blocks()) {
+    std::vector<Hit> hits;
+    KernelCounts counts;
+    brute().closest(block.a.view(), block.b.view(), block.reach, hits, counts);
+    near += std::ssize(hits);
+    pairs += block.a.size() * block.b.size();
+  }
+  EXPECT_GE(pairs, 2048);
+  EXPECT_GE(near, 10);
+  EXPECT_LE(near, pairs / 2);
+}
+
+TEST(Verify, the_same_seed_gives_the_same_sample) {
+  const auto one = blocks(), two = blocks();
+  ASSERT_EQ(one.size(), two.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(one[i].b.size(), two[i].b.size());
+    for (int j = 0; j < one[i].b.size(); ++j) EXPECT_EQ(one[i].b.view()[j].a0.x, two[i].b.view()[j].a0.x);
+  }
+}
+
+TEST(Verify, the_sample_is_in_the_frame_of_the_first_body) {
+  // Turning and moving the whole scene must not change a pair's distance.
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()));
+  Scene turned = two_granulates();
+  for (Body& body : turned.bodies) {
+    body.position = turn * body.position + Eigen::Vector3d(.1, .2, .3);
+    body.orientation = turn * body.orientation;
+  }
+  const auto expected = sample_triangle_pairs(Simulation(two_granulates(), {}), 128, 5),
+             found = sample_triangle_pairs(Simulation(turned, {}), 128, 5);
+  ASSERT_EQ(expected.size(), found.size());
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    std::vector<Hit> one, two;
+    KernelCounts counts;
+    brute().closest(expected[k].a.view(), expected[k].b.view(), 1, one, counts);
+    brute().closest(found[k].a.view(), found[k].b.view(), 1, two, counts);
+    ASSERT_EQ(one.size(), two.size());
+    for (std::size_t h = 0; h < one.size(); ++h) EXPECT_NEAR(one[h].closest.upper, two[h].closest.upper, 1e-14);
+  }
+}
+
+TEST(Verify, a_wrong_hash_is_caught) {
+  Options options;
+  options.scheme = "task";
+  options.threads = 2;
+  const auto good = [](const Options&) -> std::uint64_t { return 7; };
+  const auto wrong_scheme = [](const Options& o) -> std::uint64_t { return o.scheme == "serial" ? 7 : 8; };
+  const auto wrong_grid = [](const Options& o) -> std::uint64_t { return o.grid == "none" ? 7 : 8; };
+  EXPECT_TRUE(check_scheme(options, good).passed);
+  EXPECT_TRUE(check_grid(options, good).passed);
+  EXPECT_FALSE(check_scheme(options, wrong_scheme).passed);
+  EXPECT_FALSE(check_grid(options, wrong_grid).passed);
+  EXPECT_TRUE(check_scheme(options, wrong_grid).passed) << "everything but the scheme must stay equal";
+}
+
+TEST(Verify, one_failed_item_fails_the_check) {
+  Check check;
+  check.how = {{"a", true, ""}, {"b", true, ""}};
+  EXPECT_TRUE(check.passed());
+  check.how.push_back({"c", false, ""});
+  EXPECT_FALSE(check.passed());
+}
+
+TEST(Verify, a_state_that_is_not_finite_is_caught) {
+  Particles particles;
+  for (const Body& body : two_granulates().bodies) particles.add(body);
+  EXPECT_TRUE(check_state(particles).passed);
+  Particles broken = particles;
+  broken.velocity[1].y() = std::nan("");
+  EXPECT_FALSE(check_state(broken).passed);
+  broken = particles;
+  broken.orientation[0].w() += 1e-6;
+  EXPECT_FALSE(check_state(broken).passed);
+}
+
+TEST(Verify, bodies_outside_are_counted_but_not_fixed_ones) {
+  Scene scene = two_granulates();
+  scene.bodies[0].position = {.5, -.01, .5};
+  scene.bodies.push_back({.mesh = std::make_shared<const Mesh>(plane(1)), .position = {0, -3, 0}, .fixed = true});
+  Particles particles;
+  for (const Body& body : scene.bodies) particles.add(body);
+  EXPECT_EQ(bodies_outside(particles, scene.domain), 1);
+}
+
+TEST(Verify, spheres_alone_need_no_kernel) {
+  Scene scene;
+  scene.bodies.push_back({.mesh = nullptr, .sphere_radius = .1, .position = {.2, .2, .2}, .halo = .01});
+  scene.bodies.push_back({.mesh = nullptr, .sphere_radius = .1, .position = {.8, .8, .8}, .halo = .01});
+  const auto none = sample_triangle_pairs(Simulation(scene, {}), 2048, 1);
+  EXPECT_TRUE(none.empty());
+  EXPECT_TRUE(check_kernel(brute(), brute(), none).passed);
+}
+
+TEST(Verify, a_good_engine_passes_every_check) {
+  const Check check = verify(two_granulates(), {}, 20);
+  for (const CheckItem& item : check.how) EXPECT_TRUE(item.passed) << item.what << ": " << item.detail;
+  EXPECT_EQ(check.how.size(), 4u);
+}
+
+} // namespace
+} // namespace trigrain
