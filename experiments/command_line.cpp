@@ -3,7 +3,6 @@
 #include "dem/grid.hpp"
 #include "dem/runtime.hpp"
 #include "dem/scheme.hpp"
-#include "experiments/build_info.hpp"
 #include "experiments/final_state.hpp"
 #include "kernels/kernels.hpp"
 #include "kernels/name_table.hpp"
@@ -16,33 +15,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <class Table> Json rows(const Table& table) {
-  Json list = Json::array();
-  for (const auto& row : table) list.push_back({{"name", row.name}, {"about", row.about}});
-  return list;
+template <class Table> void list(std::ostream& out, const char* title, const Table& table) {
+  out << title << '\n';
+  for (const auto& row : table) out << "  " << row.name << ": " << row.about << '\n';
 }
 
-/// Every table as JSON, one row per line: the keys are those of a record's params.
 void list_all(std::ostream& out) {
-  Json runtime = rows(runtimes());
-  runtime.push_back({{"name", Options{}.runtime}, {"about", "the one the scheme was published with"}});
-  const Json variants = {{"scene", rows(scenes())},
-                         {"kernel", rows(kernels())},
-                         {"precheck", rows(prechecks())},
-                         {"grid", rows(grid_kinds())},
-                         {"contact_rule", rows(contact_rules())},
-                         {"scheme", rows(schemes())},
-                         {"runtime", runtime}};
-  out << "{\"build\": " << Json{{"version", build_info.version}, {"commit", build_info.commit}}
-      << ",\n \"variants\": {";
-  const char* comma = "";
-  for (const auto& [key, table] : variants.items()) {
-    out << comma << "\n  " << Json(key) << ": [";
-    comma = ",";
-    for (const auto& row : table) out << (row == table.front() ? "\n   " : ",\n   ") << row;
-    out << "]";
-  }
-  out << "\n }}\n";
+  list(out, "scenes", scenes());
+  list(out, "kernels", kernels());
+  list(out, "prechecks", prechecks());
+  list(out, "grids", grid_kinds());
+  list(out, "contact rules", contact_rules());
+  list(out, "schemes", schemes());
+  list(out, "runtimes", runtimes());
 }
 
 void add_scene_options(CLI::App& app, BenchRequest& r) {
@@ -107,7 +92,7 @@ std::optional<BenchRequest> parse_command_line(int argc, const char* const* argv
   BenchRequest request;
   bool wants_list = false;
   CLI::App app("Runs one point of an experiment: checks the answers, then times them.", "dem_bench");
-  app.add_flag("--list", wants_list, "every name of every table with what it means, as JSON, and stop");
+  app.add_flag("--list", wants_list, "every name of every table with what it means, and stop");
   add_scene_options(app, request);
   add_engine_options(app, request);
   add_run_options(app, request);
