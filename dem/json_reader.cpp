@@ -156,10 +156,10 @@ Eigen::Vector3d JsonReader::vector() const {
 }
 
 int JsonReader::integer(int lowest, int highest) const {
-  const bool whole = value_->is_number_integer();
-  if (!whole || value_->get<double>() < lowest || value_->get<double>() > highest)
+  const double value = value_->is_number() ? value_->get<double>() : NAN; // 2.0 is an integer, as in JSON Schema
+  if (!(value >= lowest && value <= highest && value == std::floor(value)))
     refuse_unless("an integer from " + std::to_string(lowest) + " to " + std::to_string(highest));
-  return value_->get<int>();
+  return static_cast<int>(value);
 }
 
 std::uint64_t JsonReader::seed() const {

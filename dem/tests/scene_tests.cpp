@@ -125,10 +125,10 @@ TEST_P(BuiltInScene, StepIsHalfTheCriticalOneForAnyContactPoint) {
 INSTANTIATE_TEST_SUITE_P(
     All, BuiltInScene,
     testing::Values(Case{"hopper", 1000, 20}, Case{"hopper", 1000, 0}, Case{"hopper", 1, 10}, Case{"hopper", 37, 40},
-                    Case{"hopper", 10000, 10}, Case{"hopper", 1000, 20, "published"}, Case{"hopper-dense", 1000, 20},
+                    Case{"hopper", 10000, 0}, Case{"hopper", 1000, 20, "published"}, Case{"hopper-dense", 1000, 20},
                     Case{"hopper-dense", 1000, 10}, Case{"hopper-dense", 2000, 0}, Case{"hopper-dense", 10000, 0},
                     Case{"two-particles", 2, 20}, Case{"two-particles", 2, 0}, Case{"gas", 729, 20},
-                    Case{"gas", 729, 10, "relative", 20}, Case{"gas", 19683, 0}, Case{"gas", 100, 10, "published"}));
+                    Case{"gas", 729, 10, "relative", 20}, Case{"gas", 3000, 0}, Case{"gas", 100, 10, "published"}));
 
 TEST(Scenes, HopperHasThePublishedNumbersOfGrainsAndTheirMass) {
   for (const auto& [asked, made] : {std::pair{1000, 1000}, {10000, 10800}, {500, 500}}) {
