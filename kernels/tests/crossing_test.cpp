@@ -53,10 +53,10 @@ TEST(Crossing, SegmentsAndPointsMeetWhatTheyTouch) {
   EXPECT_FALSE(meet(point, {{.25, .25, 1e-300}, {.25, .25, 1e-300}, {.25, .25, 1e-300}}));
 }
 
-// 1e-20 m cannot be seen beside 1 m, but zero would say "crossing".
+// Seen from a corner of A, 1e-20 m is lost in 1 m and the distance comes out as zero; but zero would say "crossing".
 TEST(Brute, ReportsNoZeroForAGapBelowRounding) {
-  const Triangle above{{.25, .25, 1e-20}, {.25, .25, 1}, {.5, .5, 1}};
-  for (const Closest& c : {closest_by_brute_force(flat, above), closest_by_brute_force(above, flat)}) {
+  const Triangle steep{{0, 0, 1}, {1, 0, -1}, {0, 1, -1}}, above{{.25, .25, 1e-20}, {.5, .25, 1}, {.5, .5, 1}};
+  for (const Closest& c : {closest_by_brute_force(steep, above), closest_by_brute_force(above, steep)}) {
     EXPECT_GT(c.upper, 0);
     EXPECT_LT(c.upper, 1e-14);
     EXPECT_GT(dot(c.p - c.q, c.p - c.q), 0);
