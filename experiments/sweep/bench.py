@@ -1,5 +1,4 @@
 """The point program dem_bench: where it is, what this build of it can do, and the command line of a point."""
-import json
 import os
 import subprocess
 import sys
@@ -16,7 +15,8 @@ PROGRAM = "dem_bench"
 
 @dataclass(frozen=True)
 class Bench:
-    """A build of dem_bench: the names it lists per parameter ("grid": {"none", "regular"}), and the commit it is of."""
+    """A build of dem_bench: the names it lists per parameter ("grid": {"none", "regular"}), and the commit of the
+    sources."""
     program: Path
     variants: dict[str, set[str]]
     commit: str | None
@@ -35,7 +35,7 @@ def find_bench(folder: Path | None, root: Path) -> Bench:
     places = [folder] if folder else [Path(sys.argv[0]).resolve().parent, root / "build/release/bin"]
     for place in places:
         if os.access(place / PROGRAM, os.X_OK):
-            return _describe((place / PROGRAM).resolve())
+            return _describe((place / PROGRAM).resolve(), root)
     raise SweepError(f"no {PROGRAM} (looked in {', '.join(map(str, places))}). "
                      "Build first (cmake --preset release && cmake --build --preset release) or give --bin DIR.")
 
@@ -70,7 +70,7 @@ def usable_cores() -> int:
     return min(cores, allowed) if cores else allowed
 
 
-def _describe(program: Path) -> Bench:
+def _describe(program: Path, root: Path) -> Bench:
     try:
         answer = subprocess.run([program, "--list"], capture_output=True, text=True, timeout=60, check=True)
     except subprocess.CalledProcessError as error:
@@ -78,10 +78,23 @@ def _describe(program: Path) -> Bench:
         raise SweepError(f"{program} does not run (--list: {trouble}). Build it again.") from None
     except (OSError, subprocess.TimeoutExpired) as error:
         raise SweepError(f"{program} does not run (--list: {error}). Build it again.") from None
+    variants: dict[str, set[str]] = {}
+    for line in answer.stdout.splitlines():
+        if line.startswith("  ") and variants:
+            names.add(line.strip().partition(":")[0])
+        elif line:
+            names = variants.setdefault(line.strip().removesuffix("s").replace(" ", "_"), set())
+    if "runtime" in variants:
+        variants["runtime"].add("default")
+    if not {"grid", "scheme", "kernel"} <= set(variants):
+        raise SweepError(f"{program} --list names no grids, schemes and kernels. Build it again.")
+    return Bench(program, variants, _commit(root))
+
+
+def _commit(root: Path) -> str | None:
+    """The commit that is checked out: every build of it carries that name."""
     try:
-        listing = json.loads(answer.stdout)
-        variants = {key: {row["name"] for row in rows} for key, rows in listing["variants"].items()}
-        return Bench(program, variants, listing["build"]["commit"] or None)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise SweepError(f"cannot read what {program} --list says ({type(error).__name__}: {error}). "
-                         "Build it again.") from None
+        answer = subprocess.run(["git", "-C", root, "rev-parse", "HEAD"], capture_output=True, text=True, timeout=60)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return answer.stdout.strip() if answer.returncode == 0 else None
