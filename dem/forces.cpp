@@ -42,9 +42,9 @@ void contact_forces(const Particles& p, const ContactParameters& law, double ste
         length > 0 ? (c.tangential.norm() / length * in_plane + step_s * slip).eval() : (step_s * slip).eval();
     Vector3d f_t = -kt * spring - damping_t * slip;
     const double most = law.friction * f_n, size = f_t.norm();
-    if (size > most) { // sliding: the spring gives way until spring and dashpot together carry mu f_n
+    if (size > most) { // sliding: the spring gives way until it alone carries mu f_n, and stores no more than that
       f_t *= most / size;
-      spring = kt > 0 ? (-(f_t + damping_t * slip) / kt).eval() : Vector3d::Zero().eval();
+      spring = kt > 0 ? (-f_t / kt).eval() : Vector3d::Zero().eval();
     }
     c.tangential = spring;
     c.force = f_n * c.normal + f_t;

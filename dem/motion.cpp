@@ -70,4 +70,16 @@ double potential_energy(const Particles& p, const Eigen::Vector3d& gravity) {
   return sum;
 }
 
+Particles centred(const Particles& after_step, const Loads& loads, const Eigen::Vector3d& gravity, double step_s) {
+  Particles p = after_step;
+  for (int i = 0; i < p.size(); ++i) {
+    if (p.fixed(i)) continue;
+    p.position[i] -= step_s * p.velocity[i];
+    p.velocity[i] -= step_s / 2 * (gravity + p.inverse_mass[i] * loads.force[i]);
+    turn_free_top(p.orientation[i], p.angular_momentum[i], p.inertia[i], -step_s);
+    p.angular_momentum[i] -= step_s / 2 * loads.torque[i];
+  }
+  return p;
+}
+
 } // namespace trigrain

@@ -16,4 +16,8 @@ double kinetic_energy(const Particles& particles);
 /// Potential energy in the field `gravity` (m/s2), zero at the world's origin (J).
 double potential_energy(const Particles& particles, const Eigen::Vector3d& gravity);
 
+/// The state in the middle of the last step_s: positions before it, momenta half-way through its kick. There the
+/// energies of symplectic Euler belong together; taken after the step their sum wavers to first order in step_s.
+Particles centred(const Particles& after_step, const Loads& loads, const Eigen::Vector3d& gravity, double step_s);
+
 } // namespace trigrain

@@ -216,9 +216,12 @@ const std::vector<Contact>& Simulation::contacts() const { return state_->contac
 double Simulation::time() const { return state_->time; }
 
 Energy Simulation::energy() const {
-  return {.kinetic = kinetic_energy(particles()),
-          .potential = potential_energy(particles(), scene().gravity),
-          .elastic = elastic_energy(scene().contact, contacts())};
+  const State& s = *state_;
+  const Particles p =
+      s.time > 0 ? centred(s.particles, s.loads, s.scene.gravity, s.scene.time.step) : s.particles;
+  return {.kinetic = kinetic_energy(p),
+          .potential = potential_energy(p, s.scene.gravity),
+          .elastic = elastic_energy(s.scene.contact, s.contacts)};
 }
 
 /// FNV-1a over 8-byte words.

@@ -46,7 +46,7 @@ public:
   const Particles& particles() const;
   const std::vector<Contact>& contacts() const; ///< of the last step, sorted
   double time() const;                          ///< s
-  Energy energy() const;
+  Energy energy() const;                        ///< at the middle of the last step (see centred())
   /// 64 bits that differ when any bit of any position, orientation, velocity or angular momentum does.
   std::uint64_t state_hash() const;
   /// Force (N) and torque (N m) on a body during the next step only, beside gravity and contacts.

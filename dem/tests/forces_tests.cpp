@@ -72,19 +72,24 @@ TEST(Forces, ABallRollsDownAnInclineAtFiveSeventhsOfGravity) {
   EXPECT_NEAR(sim.particles().velocity[1].x() / sim.time(), 5. / 7. * g * std::sin(slope), 5e-3 * g);
 }
 
-TEST(Forces, ABlockBelowTheFrictionAngleDoesNotCreep) {
-  const double slope = 20 * pi / 180, g = 9.81;
-  Scene scene = ball_on_floor(0, {0, 0, 0}, {.stiffness = 1e6, .damping_ratio = .5, .friction = .5}, 2e-5);
+TEST(Forces, ABlockBelowTheFrictionAngleStaysWhereTheDashpotAloneWouldCreep) {
+  const double slope = 20 * pi / 180, g = 9.81, zeta = .5, k = 1e6;
+  Scene scene = ball_on_floor(0, {0, 0, 0}, {.stiffness = k, .damping_ratio = zeta, .friction = .5}, 2e-5);
   scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
   Body& block = scene.bodies[1];
   block.mesh = std::make_shared<Mesh>(box({.2, .1, .2}));
   block.density = 250; // mass 1
   block.position = {0, .05 + 1e-3 - 1e-6, 0};
-  Simulation sim(scene, {.contact_rule = "all-pairs"});
-  sim.run(50000);
-  const double settled = sim.particles().position[1].x();
-  sim.run(50000);
-  EXPECT_NEAR(sim.particles().position[1].x(), settled, 1e-9);
+  for (const ContactRule& rule : contact_rules()) {
+    Simulation sim(scene, {.contact_rule = std::string(rule.name)});
+    sim.run(10000);
+    const double settled = sim.particles().position[1].x(), since = sim.time();
+    sim.run(10000);
+    // A flat face rocks on either rule's few points and springs are lost with them; what is left must be small beside
+    // the creep of friction without memory, m g sin(slope) / c_t.
+    const double memoryless = g * std::sin(slope) / (2 * zeta * std::sqrt(k * scene.contact.tangential_ratio));
+    EXPECT_LT(std::abs(sim.particles().position[1].x() - settled), .02 * memoryless * (sim.time() - since)) << rule.name;
+  }
 }
 
 TEST(Forces, TheDashpotNeverPulls) {

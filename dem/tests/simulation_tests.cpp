@@ -130,8 +130,8 @@ TEST(Simulation, ElasticImpactsConserveMomentumAndEnergyAndDampedOnesLoseEnergy)
     scene.contact.damping_ratio = zeta;
     scene.contact.friction = 0;
     for (Body& b : scene.bodies) b.velocity = (Vector3d::Constant(.5) - b.position) * 2; // all meet in the middle
-    scene.contact.stiffness *= 1e4; // the scene's own is meant for slower bodies
-    scene.time.step /= 400;
+    scene.contact.stiffness *= 400; // the scene's own is meant for slower bodies
+    scene.time.step /= 20; // the onset of a contact inside a step adds energy of order step^2
     Simulation sim(scene, {});
     Vector3d momentum = Vector3d::Zero(), spin = Vector3d::Zero();
     const auto add_up = [&] {
@@ -147,11 +147,11 @@ TEST(Simulation, ElasticImpactsConserveMomentumAndEnergyAndDampedOnesLoseEnergy)
     const double e0 = sim.energy().total(), scale = std::sqrt(2 * e0 * sim.particles().mass[0]);
     std::int64_t contacts = 0;
     double e = e0;
-    while (sim.time() < .5) {
+    while (sim.time() < .35) {
       contacts += sim.step().contacts;
       e = sim.energy().total();
       if (zeta > 0) {
-        ASSERT_LT(e, e0 * 1.001);
+        ASSERT_LT(e, e0 * 1.0002);
       }
     }
     add_up();
@@ -159,7 +159,7 @@ TEST(Simulation, ElasticImpactsConserveMomentumAndEnergyAndDampedOnesLoseEnergy)
     EXPECT_LT((momentum - momentum0).norm(), 1e-11 * scale);
     EXPECT_LT((spin - spin0).norm(), 1e-9 * scale);
     if (zeta == 0) EXPECT_NEAR(e, e0, .05 * e0);
-    else EXPECT_LT(e, .99 * e0);
+    else EXPECT_LT(e, .9 * e0);
   }
 }
 
