@@ -62,6 +62,14 @@ Pair parallel(Random& r) {
   const auto moved = [&](const Point& x) { return x + shift + turn * cube_point(r); };
   return {"parallel", a, {moved(a.a1), moved(a.a2), moved(a.a0)}};
 }
+/// In one plane, a corner of B on an edge of A to rounding: the last bit decides whether they touch.
+Pair coplanar(Random& r) {
+  Pair p{"coplanar", cube_triangle(r), cube_triangle(r)};
+  for (Triangle* t : {&p.a, &p.b}) t->a0.z = t->a1.z = t->a2.z = 0;
+  const Point foot = mix(p.a, uniform(r, 0, 1), 0), away = foot - p.a.a2;
+  p.b = {foot, foot + away + 0.1 * (p.a.a1 - p.a.a0), foot + away - 0.1 * (p.a.a1 - p.a.a0)};
+  return p;
+}
 Pair sliver(Random& r) {
   const auto thin = [&] {
     const Point a = cube_point(r), u = cube_point(r);
@@ -95,9 +103,9 @@ Pair size_ratio(Random& r) {
 
 const std::vector<RandomFamily>& random_families() {
   static const std::vector<RandomFamily> families{
-      {"general", general},       {"separated", separated},   {"near_corner", near_corner},
-      {"near_edges", near_edges}, {"touching", touching},     {"parallel", parallel},
-      {"sliver", sliver},         {"degenerate", degenerate}, {"size_ratio", size_ratio}};
+      {"general", general},       {"separated", separated},  {"near_corner", near_corner}, {"near_edges", near_edges},
+      {"touching", touching},     {"parallel", parallel},    {"coplanar", coplanar},       {"sliver", sliver},
+      {"degenerate", degenerate}, {"size_ratio", size_ratio}};
   return families;
 }
 
