@@ -188,6 +188,15 @@ TEST(Mesh, OneFaceTurnedMakesTheSurfaceOpen) {
   EXPECT_EQ(s.mesh().volume, 0);
 }
 
+TEST(Mesh, EdgeOfFourFacesMakesTheSurfaceOpen) {
+  Surface two = cuboid;
+  two.append(cuboid.moved(Eigen::Quaterniond::Identity(), {1, 2, 0})); // they share one edge
+  const Mesh m = two.mesh();
+  EXPECT_EQ(m.vertices.size(), 14u);
+  EXPECT_EQ(m.part, std::vector<int>(24, 0));
+  EXPECT_EQ(m.volume, 0);
+}
+
 TEST(Mesh, FlatClosedSurfaceHasNoMass) {
   const Surface coin{{{0, 0, 0}, {1, 0, 0}, {0, 1, .3}}, {{0, 1, 2}, {0, 2, 1}}};
   EXPECT_EQ(coin.mesh().volume, 0);

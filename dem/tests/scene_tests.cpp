@@ -147,6 +147,17 @@ TEST(Scenes, HopperHasThePublishedNumbersOfGrainsAndTheirMass) {
   EXPECT_NEAR(bounds(scene.bodies[1]).max().y(), .375, 1e-15);
 }
 
+TEST(Scenes, CentresOfMassStandOnTheLattice) {
+  for (const char* name : {"hopper", "hopper-dense"}) {
+    const Scene scene = make_scene(name, {.particles = 1000, .vertices = 10});
+    const Vector3d first = centre(scene.bodies[2]);
+    EXPECT_LT((first - Vector3d(.5 - .0855, .5 + .06665 + .0095, .5 - .0855)).norm(), 1e-15);
+    EXPECT_LT((centre(scene.bodies[2 + 1]) - first - Vector3d(.019, 0, 0)).norm(), 1e-15);
+    EXPECT_LT((centre(scene.bodies[2 + 10]) - first - Vector3d(0, 0, .019)).norm(), 1e-15);
+    EXPECT_LT((centre(scene.bodies[2 + 100]) - first - Vector3d(0, .019, 0)).norm(), 1e-15);
+  }
+}
+
 TEST(Scenes, StiffnessKeepsHopperImpactsShallowAndBodiesApart) {
   // The damped impact, integrated in small steps: overlap below 1 % of the radius at the fall speed, against a wall.
   const Scene scene = make_scene("hopper", {.particles = 1000, .vertices = 0});
