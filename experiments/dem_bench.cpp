@@ -4,6 +4,7 @@
 #include "experiments/record.hpp"
 #include "experiments/run_point.hpp"
 #include "kernels/name_table.hpp"
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -26,20 +27,25 @@ void require_outputs(const BenchRequest& request) {
 }
 
 /// One line on the terminal, rewritten as the run goes on.
-void show_progress(const Progress& progress) {
-  using Clock = std::chrono::steady_clock;
-  static int sample = -1;
-  static Clock::time_point begin;
-  if (sample != progress.sample) {
-    sample = progress.sample;
-    begin = Clock::now();
+class ProgressLine {
+ public:
+  void operator()(const Progress& progress) {
+    if (sample_ != progress.sample) {
+      sample_ = progress.sample;
+      begin_ = Clock::now();
+    }
+    const double elapsed = std::chrono::duration<double>(Clock::now() - begin_).count();
+    const double left = progress.share > 0 ? elapsed * (1 / progress.share - 1) : 0;
+    std::fprintf(stderr, "\rsample %d/%d  %5.1f %%  t = %.4g s  %.0f s left   ", progress.sample + 1, progress.samples,
+                 100 * progress.share, progress.time, left);
+    if (progress.share >= 1) std::fprintf(stderr, "\r\033[K");
   }
-  const double elapsed = std::chrono::duration<double>(Clock::now() - begin).count();
-  const double left = progress.share > 0 ? elapsed * (1 / progress.share - 1) : 0;
-  std::fprintf(stderr, "\rsample %d/%d  %5.1f %%  t = %.4g s  %.0f s left   ", progress.sample + 1, progress.samples,
-               100 * progress.share, progress.time, left);
-  if (progress.share >= 1) std::fprintf(stderr, "\r\033[K");
-}
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  int sample_ = -1;
+  Clock::time_point begin_;
+};
 
 /// The sample of median wall time (the lower of two).
 const Sample& median_sample(const std::vector<Sample>& samples) {
@@ -83,8 +89,9 @@ int run(int argc, char** argv) {
   const auto request = parse_command_line(argc, argv, std::cout);
   if (!request) return fine;
   require_outputs(*request);
-  const bool watched = isatty(STDERR_FILENO);
-  const PointResult point = run_point(*request, watched ? show_progress : std::function<void(const Progress&)>());
+  std::function<void(const Progress&)> report;
+  if (isatty(STDERR_FILENO)) report = ProgressLine();
+  const PointResult point = run_point(*request, report);
   if (!request->record.empty()) write_atomically(request->record, make_record(point, request->point_id).dump(1) + "\n");
   if (!request->final_state.empty() && !point.samples.empty())
     write_atomically(request->final_state, to_json(point.final_state).dump() + "\n");

@@ -1,6 +1,11 @@
 #include "experiments/record.hpp"
+#include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 namespace trigrain {
 namespace {
@@ -44,6 +49,23 @@ TEST(Record, watching_changes_nothing) {
   const PointResult watched = run_point(request, [&](const Progress& progress) { share = progress.share; });
   EXPECT_EQ(share, 1);
   EXPECT_EQ(watched.samples[0].state_hash, run_point(request, {}).samples[0].state_hash);
+}
+
+TEST(Record, frames_come_at_the_simulated_times_asked_for) {
+  BenchRequest request = tiny();
+  const double step = starting_point(request).scene.time.step;
+  request.steps = 10;
+  request.warmup = 0;
+  request.vtk = std::filesystem::path(testing::TempDir()) / ("trigrain_frames_" + std::to_string(::getpid()));
+  request.vtk_every = 2.5 * step;
+  run_point(request, {});
+  std::ifstream list(request.vtk / "frames.pvd");
+  const std::string text(std::istreambuf_iterator<char>(list), {});
+  std::vector<double> steps; // the first step at or after each multiple of vtk_every, and the last
+  for (auto at = text.find("timestep=\""); at != std::string::npos; at = text.find("timestep=\"", at + 1))
+    steps.push_back(std::round(std::stod(text.substr(at + 10)) / step * 1e6) / 1e6);
+  EXPECT_EQ(steps, (std::vector<double>{0, 3, 5, 8, 10}));
+  std::filesystem::remove_all(request.vtk);
 }
 
 TEST(Record, numbers_come_back_bit_by_bit) {
