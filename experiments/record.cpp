@@ -71,6 +71,8 @@ Json sample_json(const Sample& sample) {
 }
 
 Json counts_json(const StepStats& stats) {
+  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 10 * sizeof(std::int64_t),
+                "a count is missing below");
   return {{"steps", stats.steps},
           {"candidate_pairs", stats.candidate_pairs},
           {"body_pairs", stats.body_pairs},
@@ -78,7 +80,9 @@ Json counts_json(const StepStats& stats) {
           {"newton_steps", stats.newton_steps},
           {"fall_backs", stats.fall_backs},
           {"contacts", stats.contacts},
-          {"occupied_vertices", stats.occupied_vertices}};
+          {"crossings", stats.crossings},
+          {"occupied_vertices", stats.occupied_vertices},
+          {"virtual_copies", stats.virtual_copies}};
 }
 
 Json energy_json(const Energy& energy) {

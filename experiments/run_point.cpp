@@ -154,6 +154,8 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
     for (int number = 0; number < request.repeats; ++number)
       point.samples.push_back(sampler.run(number, number == 0 && frames ? &*frames : nullptr, point.final_state));
     point.check.how.push_back(check_samples(point.samples));
+    if (const auto crossings = point.samples.back().stats.crossings)
+      point.warnings.push_back(std::to_string(crossings) + " pairs crossed and got no force (summed over the steps)");
     if (const int outside = point.samples.back().bodies_outside)
       point.warnings.push_back(std::to_string(outside) + " bodies ended outside of the domain");
   }
