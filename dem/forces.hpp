@@ -1,15 +1,10 @@
 #pragma once
 #include "dem/contact.hpp"
+#include "dem/loads.hpp"
 #include "dem/particles.hpp"
 #include <span>
-#include <vector>
 
 namespace trigrain {
-
-/// Force (N) and torque about the centre of mass (N m) per body, world frame.
-struct Loads {
-  std::vector<Eigen::Vector3d> force, torque;
-};
 
 /// Hands the tangential springs of the last step's contacts on to the same contacts of this step; both sorted by
 /// (a, b, feature_a, feature_b).

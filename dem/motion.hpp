@@ -1,5 +1,5 @@
 #pragma once
-#include "dem/forces.hpp"
+#include "dem/loads.hpp"
 #include "dem/particles.hpp"
 
 namespace trigrain {
