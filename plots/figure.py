@@ -11,7 +11,7 @@ import matplotlib
 matplotlib.use("Agg")
 from matplotlib.figure import Figure  # noqa: E402
 
-from records import NothingToDraw, Sweep, provenance  # noqa: E402
+from records import NothingToDraw, Sweep, busy, provenance  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 # Okabe and Ito (2008): told apart by colour-blind readers; the marker says the same in print.
@@ -50,7 +50,8 @@ def save(figure: Figure, drawn: Drawn, header: list[str], rows: list[list]) -> D
 def credit(sweep: Sweep) -> str:
     """Where the numbers come from, for the foot of a figure."""
     lines = provenance(sweep.points) or ["nothing measured yet"]
-    return "\n".join([*lines, *(["CAUTION: measured on different machines or builds"] if len(lines) > 1 else [])])
+    cautions = ["CAUTION: measured on different machines or builds"] if len(lines) > 1 else []
+    return "\n".join([*lines, *cautions, *filter(None, [busy(sweep.points)])])
 
 
 def command_line(draw: Callable[[Path, Path], Drawn], about: str) -> int:

@@ -95,6 +95,18 @@ def provenance(points: list[Point]) -> list[str]:
     return list(lines)
 
 
+def busy(points: list[Point]) -> str | None:
+    """A caution if other work ran beside measured points: the load average exceeded their threads by one or more."""
+    loads = [(sample.get("load_average_1min") or 0, point.params.get("threads", 1))
+             for point in points if point.state == DRAWN for sample in point.record["samples"]]
+    cores = [point.record["machine"]["cores"] for point in points if point.state == DRAWN]
+    disturbed = [load for load, threads in loads if load >= threads + 1 and load > min(cores)]
+    if not disturbed:
+        return None
+    return (f"CAUTION: other work ran on the machine during {len(disturbed)} of {len(loads)} samples "
+            f"(load average up to {max(disturbed):.1f})")
+
+
 def _origin(record: dict) -> str:
     machine, build = record["machine"], record["build"]
     commit = (build["commit"] or "unknown")[:10] + (" with changes" if build["dirty"] else "")

@@ -183,7 +183,8 @@ def _finish(figure: Figure, axes: list[Axes], sweep: Sweep, published_label: str
     samples = next((point for point in sweep.drawn()), None)
     what = f"median and range of {len(samples.record['samples'])} samples of {samples.record['samples'][0]['steps']} " \
            "steps; " if samples else ""
-    foot = textwrap.fill(what + credit(sweep), 88 if len(axes) == 1 else 150)
+    width = 88 if len(axes) == 1 else 150
+    foot = "\n".join(textwrap.fill(line, width) for line in (what + credit(sweep)).split("\n"))
     figure.text(0.5, 0.012, foot, ha="center", va="bottom", fontsize=7.5, color=GREY)
     figure.subplots_adjust(left=0.14 if len(axes) == 1 else 0.08, right=0.98, top=0.88, bottom=0.27, wspace=0.06)
 

@@ -47,8 +47,9 @@ def point_command(bench: Bench, point: Point, spec_folder: Path, outputs: list[s
 
 
 def state_command(bench: Bench, state: StartState, spec_folder: Path, cores: int, outputs: list[str]) -> list[str]:
-    """dem_bench for a start state, on all cores: a parallel scheme gives the same bits for every number of threads."""
-    once = ["--threads", str(cores), "--repeats", "1", "--warmup", "0"]
+    """dem_bench for a start state; a parallel scheme uses all cores, as it gives the same bits for every number."""
+    threads = 1 if state.params.get("scheme", "serial") == "serial" else cores
+    once = ["--threads", str(threads), "--repeats", "1", "--warmup", "0", "--check-steps", "5"]
     return [str(bench.program), *arguments(_at(state.params, spec_folder)), *once, "--point-id", state.id, *outputs]
 
 

@@ -38,7 +38,7 @@ def main() -> int:
     for option in ("scene", "scene-file", "grid", "kernel", "scheme", "precheck", "start-state", "point-id", "record",
                    "final-state", "vtk", "runtime"):
         parser.add_argument(f"--{option}")
-    for option in ("particles", "vertices", "seed", "threads", "steps", "repeats", "warmup"):
+    for option in ("particles", "vertices", "seed", "threads", "steps", "repeats", "warmup", "check-steps"):
         parser.add_argument(f"--{option}", type=int)
     for option in ("end", "vtk-every"):
         parser.add_argument(f"--{option}", type=float)
@@ -68,7 +68,7 @@ def act(call: argparse.Namespace) -> int:
         return 3
     time.sleep(float(os.environ.get("STAND_IN_SLEEP", "0")))
     if call.final_state:
-        write(call.final_state, {"time_s": call.end, "bodies": []})
+        write(call.final_state, {"time_s": call.end, "threads": call.threads, "bodies": []})
     passed = seed != BEHAVIOUR["check fails"]
     record = {"schema": "trigrain-record-1", "point_id": call.point_id, "status": "finished",
               "params": {"threads": call.threads, "start_state": call.start_state},

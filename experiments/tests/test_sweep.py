@@ -259,6 +259,14 @@ def test_start_states_are_computed_once_per_combination(bench):
     assert len(bench.calls()) == 10 and len(set(bench.records()) - ids) == 2
 
 
+@pytest.mark.parametrize("scheme,threads", [("serial", 1), ("plain", 4)])
+def test_a_start_state_is_computed_on_the_cores_its_scheme_can_use(bench, scheme, threads):
+    bench.write(prepare={"by": ["scene"], "params": {"scheme": scheme}, "end_s": 0.25})
+    bench.run("run")
+    state, = (bench.folder / "results/states").glob("*.json")
+    assert json.loads(state.read_text())["threads"] == threads
+
+
 def test_a_start_state_that_fails_fails_its_points_only(bench):
     bench.write(axes={"seed": seeds("refuse", "fine"), "threads": [1, 2]},
                 prepare={"by": ["scene", "seed"], "end_s": 0.25})

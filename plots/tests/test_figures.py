@@ -128,6 +128,17 @@ def test_two_builds_in_one_figure_are_pointed_out(made_up):
     assert "CAUTION" in texts(draw("figure_8_5", made_up))
 
 
+def test_work_beside_the_measurement_is_pointed_out(made_up):
+    points = made_up.sweep("figure_8_5", AXES, FIXED)
+    id = points["grid=regular vertices=20 threads=2"]["id"]
+    samples = made_up.read("figure_8_5", id)["samples"]
+    made_up.change("figure_8_5", id, samples=[{**sample, "load_average_1min": 2.4} for sample in samples])
+    assert "CAUTION" not in texts(draw("figure_8_5", made_up))
+    made_up.change("figure_8_5", id, samples=[*samples[:2], {**samples[2], "load_average_1min": 7.13}])
+    assert "other work ran on the machine during 1 of 18 samples (load average up to 7.1)" in texts(
+        draw("figure_8_5", made_up))
+
+
 def test_the_foot_names_machine_compiler_and_commit(made_up):
     made_up.sweep("figure_8_5", AXES, FIXED)
     shown = texts(draw("figure_8_5", made_up))
