@@ -29,7 +29,7 @@ LaneMask beyond(const Lanes& reach, const Lanes& gap, const TrianglePair<Lanes>&
 }
 
 /// Solves up to lane_count pairs; appends those within reach.
-[[gnu::noinline, gnu::flatten]] void solve_pack(TrianglesView a, TrianglesView b, std::span<const PairIndex> pairs,
+[[gnu::noinline]] void solve_pack(TrianglesView a, TrianglesView b, std::span<const PairIndex> pairs,
                                                 double reach, std::vector<Hit>& hits, KernelCounts& counts) {
   const int last = static_cast<int>(pairs.size()) - 1;
   const TrianglePair<Lanes> pair =
@@ -69,7 +69,7 @@ LaneMask apart(const TrianglePair<Lanes>& pair, double reach) {
 
 } // namespace
 
-[[gnu::flatten]] void hybrid_pair(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits,
+void hybrid_pair(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits,
                                   KernelCounts& counts) {
   std::array<PairIndex, 2 * lane_count> waiting;
   int n = 0;
