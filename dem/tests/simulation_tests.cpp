@@ -19,17 +19,17 @@ Scene flowing_hopper(int grains) {
 
 TEST(Simulation, EverySchemeRuntimeAndThreadCountGivesTheSameBits) {
   const Scene scene = flowing_hopper(200);
-  for (const char* rule : {"nearest", "all-pairs"}) {
+  for (const auto& [rule, steps] : {std::pair{"nearest", 200}, std::pair{"all-pairs", 20}}) {
     Simulation reference(scene, {.contact_rule = rule, .scheme = "serial"});
-    const StepStats serial = reference.run(200);
-    ASSERT_GT(serial.contacts, 1000) << "the test needs contacts";
+    const StepStats serial = reference.run(steps);
+    ASSERT_GT(serial.contacts, 10 * steps) << "the test needs contacts";
     for (const Scheme& scheme : schemes())
       for (const char* runtime : {"openmp", "tbb"})
         for (const int threads : {1, 2, 3, 5}) {
           if (scheme.name == "serial" && threads > 1) continue;
           Simulation sim(scene, {.contact_rule = rule, .scheme = std::string(scheme.name), .runtime = runtime,
                                  .threads = threads});
-          const StepStats stats = sim.run(200);
+          const StepStats stats = sim.run(steps);
           const std::string what = std::string(rule) + " " + std::string(scheme.name) + " " + runtime + " " +
                                    std::to_string(threads);
           EXPECT_EQ(sim.state_hash(), reference.state_hash()) << what;
