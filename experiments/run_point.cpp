@@ -116,6 +116,16 @@ CheckItem check_samples(const std::vector<Sample>& samples) {
               "; the last one: " + samples.back().state.detail};
 }
 
+/// Surfaces that crossed have no normal and got no force: what follows is not the scene's motion.
+CheckItem check_crossings(const Sample& sample) {
+  const std::int64_t crossings = sample.stats.crossings;
+  if (crossings == 0) return {"crossings", true, "no surfaces crossed"};
+  return {"crossings", false,
+          "surfaces crossed (" + std::to_string(crossings) +
+              " pairs, summed over the steps): bodies overlap from the start, or are faster than their contacts can "
+              "stop. Keep (halo_m of both) sqrt(stiffness_N_m / mass) above their speed"};
+}
+
 /// The scene as it is when the clock starts.
 Scene warmed_up(const Scene& scene, const BenchRequest& request) {
   if (request.warmup == 0) return scene;
@@ -154,8 +164,7 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
     for (int number = 0; number < request.repeats; ++number)
       point.samples.push_back(sampler.run(number, number == 0 && frames ? &*frames : nullptr, point.final_state));
     point.check.how.push_back(check_samples(point.samples));
-    if (const auto crossings = point.samples.back().stats.crossings)
-      point.warnings.push_back(std::to_string(crossings) + " pairs crossed and got no force (summed over the steps)");
+    point.check.how.push_back(check_crossings(point.samples.back()));
     if (const int outside = point.samples.back().bodies_outside)
       point.warnings.push_back(std::to_string(outside) + " bodies ended outside of the domain");
   }

@@ -26,7 +26,7 @@ def draw(results: Path, out: Path) -> Drawn:
         ["Hopper and floor are drawn translucent; the camera looks slightly down. y points up."]
     rows = []
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(10, 8.6))
+        figure = Figure(figsize=(10, 8.8))
         figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
         if not frames:
             figure.text(0.5, 0.5, f"{sweep.points[0].state} {sweep.points[0].why}", ha="center", color=GREY)
@@ -36,10 +36,10 @@ def draw(results: Path, out: Path) -> Drawn:
             for place, frame in enumerate(frames):
                 draw_scene(figure.add_subplot(2, 2, place + 1, projection="3d"), frame, walls, scale)
             rows = [row for frame in frames for row in body_rows(frame, walls)]
-            bar = figure.add_axes((0.3, 0.075, 0.4, 0.012))
+            bar = figure.add_axes((0.3, 0.085, 0.4, 0.012))
             figure.colorbar(ScalarMappable(scale, "viridis"), cax=bar, orientation="horizontal", label="speed (m/s)")
         figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
-        figure.subplots_adjust(left=0, right=1, top=0.95, bottom=0.11, wspace=0, hspace=0.05)
+        figure.subplots_adjust(left=0, right=1, top=0.95, bottom=0.12, wspace=0, hspace=0.05)
         header = ["time_s", "body", "x_m", "y_m", "z_m", "speed_m_s"]
         return save(figure, Drawn(NAME, sweep, out, notes), header, rows)
 
