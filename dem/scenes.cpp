@@ -1,3 +1,4 @@
+#include "dem/critical_step.hpp"
 #include "dem/random.hpp"
 #include "dem/scene.hpp"
 #include "kernels/name_table.hpp"
@@ -104,35 +105,13 @@ double stiffness_for(const Impact& impact, double zeta) {
   return impact.effective_mass * rate * rate;
 }
 
-/// How many times smaller than its mass a body's effective mass at one contact point can be: 1 + m n.[x]^T I^-1 [x] n
-/// at a vertex x for the normal n that turns it most. 1 for a ball.
-double turning(const Body& body) {
-  double most = 1;
-  if (!body.mesh) return most;
-  const Mesh& mesh = *body.mesh;
-  for (const Vector3d& x : mesh.vertices) {
-    Eigen::Matrix3d cross;
-    cross << 0, -x.z(), x.y(), x.z(), 0, -x.x(), -x.y(), x.x(), 0;
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(cross.transpose() * mesh.inertia.cwiseInverse().asDiagonal() * cross, Eigen::EigenvaluesOnly);
-    most = std::max(most, 1 + mesh.volume * solver.eigenvalues()[2]);
-  }
-  return most;
-}
-
 /// Step (s) of T_c / 15 = pi / (15 w), w = sqrt(k / m_e), for the two lightest free bodies, and at most half the
-/// critical step (2 / w')(sqrt(1 + zeta'^2) - zeta') of any one contact point, which turns the bodies too: with the
-/// effective mass t times smaller at the same dashpot, w' = w sqrt(t) and zeta' = zeta sqrt(t).
+/// critical step of any one contact point.
 double step_for(const Scene& scene) {
-  double lightest = std::numeric_limits<double>::max(), lightest_point = lightest, most = 1; // kg, kg, 1
-  for (const Body& b : scene.bodies) {
-    if (b.fixed) continue;
-    const double mass = b.density * volume(b), t = turning(b);
-    lightest = std::min(lightest, mass), lightest_point = std::min(lightest_point, mass / t), most = std::max(most, t);
-  }
-  const double k = scene.contact.stiffness, z = std::sqrt(most) * scene.contact.damping_ratio;
-  const double critical = 2 * std::sqrt(lightest_point / 2 / k) * (std::sqrt(1 + z * z) - z);
-  return std::min(std::numbers::pi / 15 * std::sqrt(lightest / 2 / k), critical / 2);
+  double lightest = std::numeric_limits<double>::max(); // kg
+  for (const Body& b : scene.bodies)
+    if (!b.fixed) lightest = std::min(lightest, b.density * volume(b));
+  return std::min(std::numbers::pi / 15 * std::sqrt(lightest / 2 / scene.contact.stiffness), critical_step(scene) / 2);
 }
 
 double halo_for(const SceneOptions& options, double radius) {

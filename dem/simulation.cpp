@@ -1,4 +1,5 @@
 #include "dem/simulation.hpp"
+#include "dem/critical_step.hpp"
 #include "dem/forces.hpp"
 #include "dem/motion.hpp"
 #include "kernels/name_table.hpp"
@@ -36,19 +37,6 @@ const Runtime& runtime_for(const Options& options, const Scheme& scheme) {
   return row_named(runtimes(), "runtime", options.runtime);
 }
 
-/// A single spring's critical step between the two lightest bodies (METHODS: (2/omega) (sqrt(1 + zeta^2) - zeta)); any
-/// larger step makes that contact unstable whatever its geometry.
-double critical_step(const Particles& p, const ContactParameters& law) {
-  double largest[2] = {0, 0}; // inverse masses
-  for (double w : p.inverse_mass) {
-    if (w > largest[0]) std::swap(largest[0], w);
-    largest[1] = std::max(largest[1], w);
-  }
-  const double omega = std::sqrt(law.stiffness * (largest[0] + largest[1]));
-  const double zeta = law.damping_ratio;
-  return omega > 0 ? 2 / omega * (std::sqrt(1 + zeta * zeta) - zeta) : std::numeric_limits<double>::infinity();
-}
-
 std::string number(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", x);
@@ -80,11 +68,10 @@ struct Simulation::State {
         grid(row_named(grid_kinds(), "grid", options.grid), options.subdivision, scene.domain, particles),
         team(runtime_for(options, scheme), threads_of(options)) {
     const int n = particles.size();
-    const double largest_step = critical_step(particles, scene.contact);
+    const double largest_step = critical_step(scene);
     if (!(scene.time.step > 0) || scene.time.step > largest_step)
       throw InputError("the time step of " + number(scene.time.step) + " s is not between 0 and the critical step of " +
-                       number(largest_step) + " s of a contact between the lightest bodies (time.step_s). " +
-                       "Take a smaller step or a softer contact.");
+                       number(largest_step) + " s of its contacts (" + scene.name + ": time.step_s). Take a smaller step or a softer contact.");
     buffers.resize(team.threads());
     for (Loads* l : {&loads, &next_loads}) {
       l->force.assign(n, Eigen::Vector3d::Zero());
@@ -101,7 +88,10 @@ struct Simulation::State {
   static int threads_of(const Options& options) {
     if (options.threads < 1)
       throw InputError("threads must be at least 1 (is " + std::to_string(options.threads) + ").");
-    return options.scheme == "serial" ? 1 : options.threads;
+    if (options.scheme == "serial" && options.threads > 1)
+      throw InputError("scheme 'serial' runs on one thread (threads is " + std::to_string(options.threads) +
+                       "). Ask for 1 thread or another scheme.");
+    return options.threads;
   }
 
   void detect(StepStats& stats);

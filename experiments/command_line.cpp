@@ -7,6 +7,7 @@
 #include "kernels/kernels.hpp"
 #include "kernels/name_table.hpp"
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -104,6 +105,8 @@ std::optional<BenchRequest> parse_command_line(int argc, const char* const* argv
   } catch (const CLI::ParseError& error) {
     throw InputError(std::string(error.what()) + " (command line). See dem_bench --help.");
   }
+  for (const double seconds : {request.end.value_or(1), request.vtk_every})
+    if (!std::isfinite(seconds)) throw InputError("a time is not a finite number (--end, --vtk-every). Give seconds.");
   if (wants_list) {
     list_all(out);
     return std::nullopt;

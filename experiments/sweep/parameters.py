@@ -16,7 +16,7 @@ class Parameter:
 
 
 PARAMETERS = {
-    "scene": Parameter("--scene", str),
+    "scene": Parameter("--scene", str, ("hopper", "hopper-dense", "two-particles", "gas")),
     "scene_file": Parameter("--scene-file", str),
     "particles": Parameter("--particles", int, least=1),
     "vertices": Parameter("--vertices", int, least=0),

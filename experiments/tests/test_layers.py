@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LAYERS = {"kernels": {"kernels"}, "dem": {"kernels", "dem"}, "experiments": {"kernels", "dem", "experiments"}}
 
 # Parts of dem, each of one or more files, and the parts they may see beside themselves.
-PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "shape_file"}, "scene": {"scene", "scenes", "load_scene"},
+PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "shape_file"}, "scene": {"scene", "scenes", "load_scene", "critical_step"},
          "particles": {"particles"}, "grid": {"grid"}, "contact": {"contact"}, "runtime": {"runtime"},
          "scheme": {"scheme"}, "forces": {"forces"}, "motion": {"motion"}, "step_stats": {"step_stats"},
          "simulation": {"simulation"}, "random": {"random"}, "loads": {"loads"}, "json_reader": {"json_reader"}}
