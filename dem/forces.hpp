@@ -13,7 +13,8 @@ void carry_springs(std::span<const Contact> last, std::span<Contact> contacts);
 /// Spring-dashpot with Coulomb friction (Cundall & Strack 1979): normal force
 /// max(0, k overlap + 2 zeta sqrt(k m_e) v_n), never attractive; tangential spring and dashpot of `tangential_ratio`
 /// times the normal ones, capped at mu times the normal force. Sets `force` and moves `tangential` on by step_s (s).
-void contact_forces(const Particles& particles, const ContactParameters& law, double step_s, std::span<Contact> contacts);
+void contact_forces(const Particles& particles, const ContactParameters& law, double step_s,
+                    std::span<Contact> contacts);
 
 /// Adds the contact forces to the loads of both bodies, in the order of the contacts.
 void add_contact_loads(const Particles& particles, std::span<const Contact> contacts, Loads& loads);

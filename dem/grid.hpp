@@ -28,13 +28,13 @@ struct GridKind {
 
 std::span<const GridKind> grid_kinds();
 
-/// Multiscale spacetree (Krestenitis 2018; Weinzierl et al. 2016): the domain's cube is split in k^3 cells, level by level. A body
-/// belongs to the vertex nearest to its centre on the finest level whose cells are at least as wide as 2 (radius + halo),
-/// so two bodies of one level can only touch if their vertices are those of a common cell. A body of a coarser level
-/// appears as a virtual copy at every finer vertex whose bodies it may reach. Bodies outside the domain count at its
-/// border; no pair is lost. Only vertices that hold bodies take memory.
+/// Multiscale spacetree (Krestenitis 2018; Weinzierl et al. 2016): the domain's cube is split in k^3 cells, level by
+/// level. A body belongs to the vertex nearest to its centre on the finest level whose cells are at least as wide as 2
+/// (radius + halo), so two bodies of one level can only touch if their vertices are those of a common cell. A body of a
+/// coarser level appears as a virtual copy at every finer vertex whose bodies it may reach. Bodies outside the domain
+/// count at its border; no pair is lost. Only vertices that hold bodies take memory.
 class Grid {
-public:
+ public:
   Grid(const GridKind& kind, int subdivision, const Domain& domain, const Particles& particles);
 
   /// Brings every body to its vertex and rebuilds the virtual copies. Sorted arrays are touched only if a body changed
@@ -51,7 +51,7 @@ public:
   int occupied_vertices() const { return static_cast<int>(vertex_.size()); }
   std::int64_t virtual_copies() const { return static_cast<std::int64_t>(copies_.size()); }
 
-private:
+ private:
   struct Level {
     double cell_size;    // m
     int cells;           // per side
@@ -83,17 +83,17 @@ private:
   Domain domain_;
   std::vector<Level> level_;
   std::vector<int> body_level_;
-  std::vector<std::uint64_t> body_key_;      // of the body's vertex
-  std::vector<int> order_;                   // bodies sorted by (key, index)
-  std::vector<int> entry_vertex_;            // vertex of each entry
-  std::vector<Vertex> vertex_;               // sorted by key
-  std::vector<int> level_vertices_;          // vertices of level l: [l], ..., [l + 1] - 1
-  std::vector<int> copies_;                  // virtual copies: bodies, by vertex
-  std::vector<int> coarse_;                  // bodies with occupied levels below their own
+  std::vector<std::uint64_t> body_key_; // of the body's vertex
+  std::vector<int> order_;              // bodies sorted by (key, index)
+  std::vector<int> entry_vertex_;       // vertex of each entry
+  std::vector<Vertex> vertex_;          // sorted by key
+  std::vector<int> level_vertices_;     // vertices of level l: [l], ..., [l + 1] - 1
+  std::vector<int> copies_;             // virtual copies: bodies, by vertex
+  std::vector<int> coarse_;             // bodies with occupied levels below their own
   std::vector<Eigen::AlignedBox3d> coarse_box_;
-  std::vector<Reach> fixed_reach_;           // per coarse body that is fixed: answers so far
+  std::vector<Reach> fixed_reach_; // per coarse body that is fixed: answers so far
   bool coarse_moves_ = false;
-  std::vector<int> changed_, merged_;        // scratch
+  std::vector<int> changed_, merged_; // scratch
   std::vector<char> has_changed_;
   std::vector<std::pair<int, int>> projected_; // scratch: (vertex, body)
 };

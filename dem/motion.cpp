@@ -22,7 +22,7 @@ void turn(int axis, double t, const Eigen::Vector3d& inertia, Eigen::Quaterniond
   double s, c;
   sin_cos(half_angle, s, c);
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const Eigen::Vector4d old = q.coeffs(); // x, y, z, w
+  const Eigen::Vector4d old = q.coeffs();     // x, y, z, w
   q.coeffs()[3] = c * old[3] - s * old[axis]; // q times (c, s about the axis)
   q.coeffs()[axis] = c * old[axis] + s * old[3];
   q.coeffs()[u] = c * old[u] + s * old[v];

@@ -9,14 +9,14 @@ namespace trigrain {
 /// A borrowed callable: valid only while what it was made from lives.
 template <class Signature> class FunctionRef;
 template <class Result, class... Arguments> class FunctionRef<Result(Arguments...)> {
-public:
+ public:
   template <class F> FunctionRef(F&& f) // NOLINT: implicit on purpose, so that a lambda can be passed
       : object_(const_cast<void*>(static_cast<const void*>(&f))), call_([](void* o, Arguments... a) -> Result {
           return (*static_cast<std::remove_reference_t<F>*>(o))(std::forward<Arguments>(a)...);
         }) {}
   Result operator()(Arguments... a) const { return call_(object_, std::forward<Arguments>(a)...); }
 
-private:
+ private:
   void* object_;
   Result (*call_)(void*, Arguments...);
 };
@@ -44,7 +44,7 @@ std::span<const Runtime> runtimes();
 
 /// `threads` workers of one runtime, the caller among them.
 class Team {
-public:
+ public:
   Team(const Runtime& runtime, int threads);
   ~Team();
   int threads() const { return threads_; }
@@ -58,7 +58,7 @@ public:
   struct Arena; ///< what TBB needs to keep between calls
   Arena* arena() { return arena_.get(); }
 
-private:
+ private:
   const Runtime& runtime_;
   int threads_;
   std::unique_ptr<Arena> arena_;

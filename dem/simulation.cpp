@@ -71,7 +71,8 @@ struct Simulation::State {
     const double largest_step = critical_step(scene);
     if (!(scene.time.step > 0) || scene.time.step > largest_step)
       throw InputError("the time step of " + number(scene.time.step) + " s is not between 0 and the critical step of " +
-                       number(largest_step) + " s of its contacts (" + scene.name + ": time.step_s). Take a smaller step or a softer contact.");
+                       number(largest_step) + " s of its contacts (" + scene.name +
+                       ": time.step_s). Take a smaller step or a softer contact.");
     buffers.resize(team.threads());
     for (Loads* l : {&loads, &next_loads}) {
       l->force.assign(n, Eigen::Vector3d::Zero());
@@ -207,8 +208,7 @@ double Simulation::time() const { return state_->time; }
 
 Energy Simulation::energy() const {
   const State& s = *state_;
-  const Particles p =
-      s.time > 0 ? centred(s.particles, s.loads, s.scene.gravity, s.scene.time.step) : s.particles;
+  const Particles p = s.time > 0 ? centred(s.particles, s.loads, s.scene.gravity, s.scene.time.step) : s.particles;
   return {.kinetic = kinetic_energy(p),
           .potential = potential_energy(p, s.scene.gravity),
           .elastic = elastic_energy(s.scene.contact, s.contacts)};

@@ -19,7 +19,7 @@ struct Options {
   std::string scheme = "serial";
   std::string runtime = "default"; ///< "tbb", "openmp", or the one the scheme was published with
   int threads = 1;
-  int subdivision = 3;             ///< k: a grid cell splits into k^3
+  int subdivision = 3; ///< k: a grid cell splits into k^3
 };
 
 /// Mechanical energy (J); elastic is what the contact springs hold.
@@ -30,7 +30,7 @@ struct Energy {
 
 /// The engine: bodies, grid, contacts and time. Valid once constructed; nothing global.
 class Simulation {
-public:
+ public:
   /// InputError for unknown names and senseless values.
   Simulation(Scene scene, Options options);
   ~Simulation();
@@ -52,7 +52,7 @@ public:
   /// Force (N) and torque (N m) on a body during the next step only, beside gravity and contacts.
   void add_load(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque);
 
-private:
+ private:
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -29,8 +29,8 @@ LaneMask beyond(const Lanes& reach, const Lanes& gap, const TrianglePair<Lanes>&
 }
 
 /// Solves up to lane_count pairs; appends those within reach.
-[[gnu::noinline]] void solve_pack(TrianglesView a, TrianglesView b, std::span<const PairIndex> pairs,
-                                                double reach, std::vector<Hit>& hits, KernelCounts& counts) {
+[[gnu::noinline]] void solve_pack(TrianglesView a, TrianglesView b, std::span<const PairIndex> pairs, double reach,
+                                  std::vector<Hit>& hits, KernelCounts& counts) {
   const int last = static_cast<int>(pairs.size()) - 1;
   const TrianglePair<Lanes> pair =
       local_pair(gather_corners(a, [&](int lane) { return pairs[std::min(lane, last)].i; }),
@@ -69,8 +69,7 @@ LaneMask apart(const TrianglePair<Lanes>& pair, double reach) {
 
 } // namespace
 
-void hybrid_pair(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits,
-                                  KernelCounts& counts) {
+void hybrid_pair(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
   std::array<PairIndex, 2 * lane_count> waiting;
   int n = 0;
   for (int i = 0; i < a.size; ++i) {

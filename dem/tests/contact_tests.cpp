@@ -102,11 +102,13 @@ TEST(Contact, PrechecksLeaveTheContactSetAsItIs) {
       grain.mesh = std::make_shared<Mesh>(granulate(1, 12, 1000 + 2 * trial + i));
       grain.orientation = Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized();
       grain.halo = .05;
-      if (i == 1) grain.position = Vector3d(unit(random), unit(random), unit(random)).normalized() * (.9 + .2 * unit(random));
+      if (i == 1)
+        grain.position = Vector3d(unit(random), unit(random), unit(random)).normalized() * (.9 + .2 * unit(random));
       p.add(grain);
     }
     for (const char* kernel : {"brute", "hybrid-pair"}) {
-      const auto without = contacts_of(p, kernel, "none", "all-pairs"), with = contacts_of(p, kernel, "sphere", "all-pairs");
+      const auto without = contacts_of(p, kernel, "none", "all-pairs"),
+                 with = contacts_of(p, kernel, "sphere", "all-pairs");
       ASSERT_EQ(set_of(without.contacts), set_of(with.contacts)) << kernel << " trial " << trial;
       ASSERT_LE(with.kernel.triangle_pairs, without.kernel.triangle_pairs);
       touching += !with.contacts.empty();

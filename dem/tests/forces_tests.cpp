@@ -42,7 +42,8 @@ TEST(Forces, ReboundFollowsTheRestitutionOfTheDashpot) {
   for (const double zeta : {0., .1, .3, .5}) {
     const double k = 1e6, contact_time = pi / std::sqrt(k);
     const double step = contact_time / 1000.3;
-    Simulation sim(ball_on_floor(1.5e-3, {0, -.1, 0}, {.stiffness = k, .damping_ratio = zeta, .friction = 0}, step), {});
+    Simulation sim(ball_on_floor(1.5e-3, {0, -.1, 0}, {.stiffness = k, .damping_ratio = zeta, .friction = 0}, step),
+                   {});
     while (sim.time() < .02 + 3 * contact_time) sim.step();
     EXPECT_NEAR(sim.particles().velocity[1].y() / .1, restitution(zeta), 2e-3) << "zeta " << zeta;
   }
@@ -65,7 +66,8 @@ TEST(Forces, ASlidingBallRollsAtFiveSeventhsOfItsSpeed) {
 
 TEST(Forces, ABallRollsDownAnInclineAtFiveSeventhsOfGravity) {
   const double slope = .3, g = 9.81, k = 1e6;
-  Scene scene = ball_on_floor(1e-3 - g * std::cos(slope) / k, {0, 0, 0}, {.stiffness = k, .damping_ratio = .3, .friction = .5}, 2e-5);
+  Scene scene = ball_on_floor(1e-3 - g * std::cos(slope) / k, {0, 0, 0},
+                              {.stiffness = k, .damping_ratio = .3, .friction = .5}, 2e-5);
   scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
   Simulation sim(scene, {});
   while (sim.time() < .3) sim.step();
@@ -88,7 +90,8 @@ TEST(Forces, ABlockBelowTheFrictionAngleStaysWhereTheDashpotAloneWouldCreep) {
     // A flat face rocks on either rule's few points and springs are lost with them; what is left must be small beside
     // the creep of friction without memory, m g sin(slope) / c_t.
     const double memoryless = g * std::sin(slope) / (2 * zeta * std::sqrt(k * scene.contact.tangential_ratio));
-    EXPECT_LT(std::abs(sim.particles().position[1].x() - settled), .02 * memoryless * (sim.time() - since)) << rule.name;
+    EXPECT_LT(std::abs(sim.particles().position[1].x() - settled), .02 * memoryless * (sim.time() - since))
+        << rule.name;
   }
 }
 
@@ -155,7 +158,8 @@ TEST(Forces, SpringsAreCarriedToTheSameContactOnly) {
     return Contact{.a = a, .b = b, .feature_a = feature_a, .feature_b = feature_b, .tangential = spring};
   };
   const std::vector<Contact> last{contact(0, 5, 0, 0, {9, 9, 9}), contact(1, 2, 3, 4, {1, 2, 3})};
-  std::vector<Contact> now{contact(1, 2, 3, 3, {0, 0, 0}), contact(1, 2, 3, 4, {0, 0, 0}), contact(1, 3, 3, 4, {0, 0, 0})};
+  std::vector<Contact> now{contact(1, 2, 3, 3, {0, 0, 0}), contact(1, 2, 3, 4, {0, 0, 0}),
+                           contact(1, 3, 3, 4, {0, 0, 0})};
   carry_springs(last, now);
   EXPECT_EQ(now[0].tangential, Vector3d::Zero());
   EXPECT_EQ(now[1].tangential, Vector3d(1, 2, 3));

@@ -101,21 +101,27 @@ TEST_P(BuiltInScene, GrainsHaveMassHaloAndTheirOwnShapeAndOrientation) {
 }
 
 TEST_P(BuiltInScene, StepIsHalfTheCriticalOneForAnyContactPoint) {
-  // Independently of how the scene finds it: random normals at all corners of all grains; on the heaviest turning point
-  // (2 / w)(sqrt(1 + z^2) - z) with w^2 = k / m_point and the dashpot 2 zeta sqrt(k m_e) of an equal pair.
+  // Independently of how the scene finds it: random normals at all corners of all grains; on the two heaviest turning
+  // points (2 / w)(sqrt(1 + z^2) - z), w^2 = k (1 / m_1 + 1 / m_2) and the dashpot that belongs to the grains' masses.
   Random random(5);
-  double smallest = 1;
+  std::vector<double> inverse; // of the smallest effective mass of each grain (1/kg)
+  double turning = 1;
   for (const Body& b : scene.bodies) {
     if (b.fixed || !b.mesh) continue;
     const double m = b.density * volume(b);
+    inverse.push_back(1 / m);
     for (const Vector3d& x : b.mesh->vertices) {
       const Vector3d torque = x.cross(random.direction().cross(x).normalized());
-      const double point = 1 / (1 / m + torque.dot(torque.cwiseQuotient(b.density * b.mesh->inertia)));
-      const double omega = std::sqrt(scene.contact.stiffness / (point / 2));
-      const double zeta = scene.contact.damping_ratio * std::sqrt(m / point);
-      smallest = std::min(smallest, 2 / omega * (std::sqrt(1 + zeta * zeta) - zeta));
+      inverse.back() = std::max(inverse.back(), 1 / m + torque.dot(torque.cwiseQuotient(b.density * b.mesh->inertia)));
     }
+    turning = std::max(turning, m * inverse.back());
   }
+  inverse.push_back(0); // a wall
+  std::sort(inverse.rbegin(), inverse.rend());
+  if (inverse.size() < 2) return; // balls only: nothing turns
+  const double omega = std::sqrt(scene.contact.stiffness * (inverse[0] + inverse[1]));
+  const double zeta = scene.contact.damping_ratio * std::sqrt(turning);
+  const double smallest = 2 / omega * (std::sqrt(1 + zeta * zeta) - zeta);
   EXPECT_LE(scene.time.step, smallest / 2);
   if (c.vertices > 0 && c.size_ratio == 1) { // and not needlessly small
     EXPECT_GT(scene.time.step, smallest / 8);

@@ -1,3 +1,4 @@
+#include "dem/critical_step.hpp"
 #include "dem/simulation.hpp"
 #include "kernels/name_table.hpp"
 #include <cmath>
@@ -27,11 +28,12 @@ TEST(Simulation, EverySchemeRuntimeAndThreadCountGivesTheSameBits) {
       for (const char* runtime : {"openmp", "tbb"})
         for (const int threads : {1, 2, 3, 5}) {
           if (scheme.name == "serial" && threads > 1) continue;
-          Simulation sim(scene, {.contact_rule = rule, .scheme = std::string(scheme.name), .runtime = runtime,
-                                 .threads = threads});
+          Simulation sim(
+              scene,
+              {.contact_rule = rule, .scheme = std::string(scheme.name), .runtime = runtime, .threads = threads});
           const StepStats stats = sim.run(steps);
-          const std::string what = std::string(rule) + " " + std::string(scheme.name) + " " + runtime + " " +
-                                   std::to_string(threads);
+          const std::string what =
+              std::string(rule) + " " + std::string(scheme.name) + " " + runtime + " " + std::to_string(threads);
           EXPECT_EQ(sim.state_hash(), reference.state_hash()) << what;
           EXPECT_EQ(stats.contacts, serial.contacts) << what;
           EXPECT_EQ(stats.candidate_pairs, serial.candidate_pairs) << what;
@@ -47,7 +49,9 @@ TEST(Simulation, GridsAndPrechecksChangeTheWorkAndNotTheResult) {
   for (const GridKind& grid : grid_kinds())
     for (const Precheck& precheck : prechecks())
       for (const int k : {2, 3}) {
-        Simulation sim(scene, {.kernel = "brute", .precheck = std::string(precheck.name), .grid = std::string(grid.name),
+        Simulation sim(scene, {.kernel = "brute",
+                               .precheck = std::string(precheck.name),
+                               .grid = std::string(grid.name),
                                .subdivision = k});
         const StepStats stats = sim.run(5);
         EXPECT_EQ(sim.state_hash(), reference.state_hash()) << grid.name << " " << precheck.name << " " << k;
@@ -131,7 +135,7 @@ TEST(Simulation, ElasticImpactsConserveMomentumAndEnergyAndDampedOnesLoseEnergy)
     scene.contact.friction = 0;
     for (Body& b : scene.bodies) b.velocity = (Vector3d::Constant(.5) - b.position) * 2; // all meet in the middle
     scene.contact.stiffness *= 400; // the scene's own is meant for slower bodies
-    scene.time.step /= 20; // the onset of a contact inside a step adds energy of order step^2
+    scene.time.step /= 20;          // the onset of a contact inside a step adds energy of order step^2
     Simulation sim(scene, {});
     Vector3d momentum = Vector3d::Zero(), spin = Vector3d::Zero();
     const auto add_up = [&] {
@@ -158,9 +162,18 @@ TEST(Simulation, ElasticImpactsConserveMomentumAndEnergyAndDampedOnesLoseEnergy)
     EXPECT_GT(contacts, 100);
     EXPECT_LT((momentum - momentum0).norm(), 1e-11 * scale);
     EXPECT_LT((spin - spin0).norm(), 1e-9 * scale);
-    if (zeta == 0) EXPECT_NEAR(e, e0, .05 * e0);
-    else EXPECT_LT(e, .9 * e0);
+    if (zeta == 0)
+      EXPECT_NEAR(e, e0, .05 * e0);
+    else
+      EXPECT_LT(e, .9 * e0);
   }
+}
+
+TEST(Simulation, TheCriticalStepOfACubeIsThatOfItsCorner) {
+  // At a corner of a cube against a wall the effective mass is 1 / 5.5 of the cube's: lever^2 3/4 a^2, I = m a^2 / 6.
+  const Scene scene = tilted_cube();
+  const double m = 1, k = scene.contact.stiffness, z = .5 * std::sqrt(5.5);
+  EXPECT_NEAR(critical_step(scene), 2 / std::sqrt(5.5 * k / m) * (std::sqrt(1 + z * z) - z), 1e-12);
 }
 
 TEST(Simulation, RefusesWhatItCannotRun) {
@@ -181,6 +194,7 @@ TEST(Simulation, RefusesWhatItCannotRun) {
   EXPECT_NE(message(scene, {.scheme = "plain", .runtime = "magic"}).find("openmp, tbb"), std::string::npos);
   EXPECT_NE(message(scene, {.threads = 0}).find("at least 1"), std::string::npos);
   EXPECT_NE(message(scene, {.subdivision = 1}).find("at least 2"), std::string::npos);
+  EXPECT_NE(message(scene, {.threads = 2}).find("one thread"), std::string::npos);
   Scene fast = scene;
   fast.time.step = .1;
   EXPECT_NE(message(fast, {}).find("critical step"), std::string::npos);
