@@ -1,5 +1,5 @@
 #pragma once
-#include "dem/contact.hpp"
+#include "dem/narrow_phase.hpp"
 #include "dem/grid.hpp"
 #include "dem/runtime.hpp"
 #include <span>

@@ -1,5 +1,5 @@
 #include "experiments/command_line.hpp"
-#include "dem/contact.hpp"
+#include "dem/narrow_phase.hpp"
 #include "dem/grid.hpp"
 #include "dem/runtime.hpp"
 #include "dem/scheme.hpp"

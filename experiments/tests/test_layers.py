@@ -11,13 +11,15 @@ LAYERS = {"kernels": {"kernels"}, "dem": {"kernels", "dem"}, "experiments": {"ke
 
 # Parts of dem, each of one or more files, and the parts they may see beside themselves.
 PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "shape_file"}, "scene": {"scene", "scenes", "load_scene", "critical_step"},
-         "particles": {"particles"}, "grid": {"grid"}, "contact": {"contact"}, "runtime": {"runtime"},
+         "particles": {"particles"}, "grid": {"grid"}, "contact": {"contact"},
+         "contact_rule": {"contact_rule"}, "narrow_phase": {"narrow_phase"}, "runtime": {"runtime"},
          "scheme": {"scheme"}, "forces": {"forces"}, "motion": {"motion"}, "step_stats": {"step_stats"},
          "simulation": {"simulation"}, "random": {"random"}, "loads": {"loads"}, "json_reader": {"json_reader"}}
 BASE = {"mesh": {"random"}, "scene": {"mesh", "random", "json_reader"}, "particles": {"scene", "mesh"}, "random": set(),
         "json_reader": set(), "loads": set(), "runtime": set(), "step_stats": set()}
-MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime"}, "contact": {"grid", "particles", "mesh"},
-                  "scheme": {"contact", "grid", "particles", "runtime"},
+MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime"}, "contact": set(), "contact_rule": {"contact", "particles", "mesh"},
+                  "narrow_phase": {"contact_rule", "contact", "grid", "particles", "mesh"},
+                  "scheme": {"narrow_phase", "grid", "particles", "runtime"},
                   "forces": {"particles", "contact", "scene", "loads"}, "motion": {"particles", "contact", "scene", "loads"},
                   "simulation": set(PARTS) - {"simulation"}}
 

@@ -1,6 +1,5 @@
-#include "dem/contact.hpp"
+#include "dem/narrow_phase.hpp"
 #include "kernels/sphere.hpp"
-#include <algorithm>
 #include <numeric>
 
 namespace trigrain {
@@ -35,37 +34,6 @@ constexpr Precheck precheck_table[] = {
     {"none", "every triangle pair of every candidate body pair", any_bodies, all_triangles},
     {"sphere", "bounding spheres of the bodies, then triangles against the other body's sphere", near_bodies,
      triangles_near_point},
-};
-
-// --- contact rules
-
-void keep_all(const Particles&, std::vector<Contact>&, std::size_t) {}
-
-/// The deepest contact per pair of connected pieces; among equals the first. Features become the pieces' numbers.
-void keep_nearest(const Particles& p, std::vector<Contact>& contacts, std::size_t first) {
-  const auto piece = [&](int body, int triangle) { return p.is_sphere(body) ? 0 : p.mesh[body]->part[triangle]; };
-  std::size_t end = first;
-  for (std::size_t c = first; c < contacts.size(); ++c) {
-    Contact contact = contacts[c];
-    contact.feature_a = piece(contact.a, contact.feature_a);
-    contact.feature_b = piece(contact.b, contact.feature_b);
-    const auto same = std::find_if(contacts.begin() + first, contacts.begin() + end, [&](const Contact& k) {
-      return k.feature_a == contact.feature_a && k.feature_b == contact.feature_b;
-    });
-    if (same == contacts.begin() + end)
-      contacts[end++] = contact;
-    else if (contact.overlap > same->overlap)
-      *same = contact;
-  }
-  contacts.resize(end);
-  std::sort(contacts.begin() + first, contacts.end(), [](const Contact& l, const Contact& r) {
-    return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
-  });
-}
-
-constexpr ContactRule rule_table[] = {
-    {"all-pairs", "every touching triangle pair is a contact (Krestenitis 2018)", keep_all},
-    {"nearest", "one contact per pair of connected surface pieces, where they are closest", keep_nearest},
 };
 
 // --- one body pair
@@ -151,7 +119,6 @@ void collide_meshes(const Particles& particles, BodyPair pair, const NarrowPhase
 } // namespace
 
 std::span<const Precheck> prechecks() { return precheck_table; }
-std::span<const ContactRule> contact_rules() { return rule_table; }
 
 void WorkerBuffer::clear() {
   contacts.clear();

@@ -1,4 +1,4 @@
-#include "dem/contact.hpp"
+#include "dem/narrow_phase.hpp"
 #include "dem/simulation.hpp"
 #include "kernels/name_table.hpp"
 #include <gtest/gtest.h>

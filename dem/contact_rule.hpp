@@ -1,0 +1,20 @@
+#pragma once
+#include "dem/contact.hpp"
+#include "dem/particles.hpp"
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace trigrain {
+
+/// Which of the touching triangle pairs of one body pair become contacts.
+struct ContactRule {
+  std::string_view name;
+  std::string_view about;
+  /// Reduces contacts[first...], all of one body pair in the order of (feature_a, feature_b), which are triangles.
+  void (*reduce)(const Particles& particles, std::vector<Contact>& contacts, std::size_t first);
+};
+
+std::span<const ContactRule> contact_rules();
+
+} // namespace trigrain
