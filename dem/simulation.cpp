@@ -95,11 +95,23 @@ struct Simulation::State {
     return options.threads;
   }
 
+  void update_grid(StepStats& stats);
   void detect(StepStats& stats);
   void merge(StepStats& stats);
   void forces();
   void integrate();
 };
+
+void Simulation::State::update_grid(StepStats& stats) {
+  const std::int64_t refinements = grid.tree().refinements(), coarsenings = grid.tree().coarsenings();
+  grid.update(particles);
+  stats.refinements += grid.tree().refinements() - refinements;
+  stats.coarsenings += grid.tree().coarsenings() - coarsenings;
+  stats.levels += grid.occupied_levels();
+  stats.cells += grid.tree().cells();
+  stats.occupied_vertices += grid.occupied_vertices();
+  stats.virtual_copies += grid.virtual_copies();
+}
 
 void Simulation::State::detect(StepStats& stats) {
   for (WorkerBuffer& buffer : buffers) buffer.clear();
@@ -112,8 +124,6 @@ void Simulation::State::detect(StepStats& stats) {
     stats.newton_steps += buffer.kernel.newton_steps;
     stats.fall_backs += buffer.kernel.fall_backs;
   }
-  stats.occupied_vertices += grid.occupied_vertices();
-  stats.virtual_copies += grid.virtual_copies();
 }
 
 /// Brings the buffers' contacts into one order that does not depend on who found them.
@@ -173,7 +183,7 @@ StepStats Simulation::step() {
   StepStats stats{.steps = 1};
   {
     const PhaseTimer timer(stats, Phase::grid);
-    s.grid.update(s.particles);
+    s.update_grid(stats);
   }
   {
     const PhaseTimer timer(stats, Phase::detect);
@@ -253,6 +263,10 @@ StepStats& StepStats::operator+=(const StepStats& other) {
   crossings += other.crossings;
   occupied_vertices += other.occupied_vertices;
   virtual_copies += other.virtual_copies;
+  levels += other.levels;
+  cells += other.cells;
+  refinements += other.refinements;
+  coarsenings += other.coarsenings;
   return *this;
 }
 

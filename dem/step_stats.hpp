@@ -22,6 +22,10 @@ struct StepStats {
   std::int64_t crossings = 0;         ///< pairs found at distance 0: they have no normal and got no force
   std::int64_t occupied_vertices = 0; ///< of the grid, summed over steps
   std::int64_t virtual_copies = 0;    ///< of coarse bodies at finer vertices, summed over steps
+  std::int64_t levels = 0;            ///< of the grid down to the finest that holds a body, summed over steps
+  std::int64_t cells = 0;             ///< of the grid, on all levels, summed over steps
+  std::int64_t refinements = 0;       ///< cells that were split
+  std::int64_t coarsenings = 0;       ///< split cells that were made whole again
 
   StepStats& operator+=(const StepStats& other);
 };

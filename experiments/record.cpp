@@ -71,7 +71,7 @@ Json sample_json(const Sample& sample) {
 }
 
 Json counts_json(const StepStats& stats) {
-  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 10 * sizeof(std::int64_t),
+  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 14 * sizeof(std::int64_t),
                 "a count is missing below");
   return {{"steps", stats.steps},
           {"candidate_pairs", stats.candidate_pairs},
@@ -82,7 +82,11 @@ Json counts_json(const StepStats& stats) {
           {"contacts", stats.contacts},
           {"crossings", stats.crossings},
           {"occupied_vertices", stats.occupied_vertices},
-          {"virtual_copies", stats.virtual_copies}};
+          {"virtual_copies", stats.virtual_copies},
+          {"levels", stats.levels},
+          {"cells", stats.cells},
+          {"refinements", stats.refinements},
+          {"coarsenings", stats.coarsenings}};
 }
 
 Json energy_json(const Energy& energy) {

@@ -11,7 +11,7 @@ LAYERS = {"kernels": {"kernels"}, "dem": {"kernels", "dem"}, "experiments": {"ke
 
 # Parts of dem, each of one or more files, and the parts they may see beside themselves.
 PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "shape_file"}, "scene": {"scene", "scenes", "load_scene", "critical_step"},
-         "particles": {"particles"}, "grid": {"grid"}, "contact": {"contact"},
+         "particles": {"particles"}, "grid": {"grid", "grid_kind", "spacetree"}, "contact": {"contact"},
          "contact_rule": {"contact_rule"}, "narrow_phase": {"narrow_phase"}, "runtime": {"runtime"},
          "scheme": {"scheme"}, "forces": {"forces"}, "motion": {"motion"}, "step_stats": {"step_stats"},
          "simulation": {"simulation"}, "random": {"random"}, "loads": {"loads"}, "json_reader": {"json_reader"}}
