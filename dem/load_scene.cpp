@@ -150,7 +150,7 @@ TimeParameters read_time(const JsonReader& r) {
   TimeParameters time;
   if (const auto v = r.find("step_s")) time.step = v->positive();
   if (const auto v = r.find("end_s")) time.end = v->positive();
-  if (const auto v = r.find("control")) time.control = v->one_of({"fixed"});
+  if (const auto v = r.find("control")) time.control = v->one_of({"fixed", "approach", "gap-only"});
   if (time.step > time.end)
     r.refuse("the step of " + std::to_string(time.step) + " s is longer than the " + std::to_string(time.end) +
                  " s until the end",

@@ -47,13 +47,13 @@ void turn_free_top(Eigen::Quaterniond& q, const Eigen::Vector3d& momentum, const
 
 } // namespace
 
-void integrate(Particles& p, const Loads& loads, const Eigen::Vector3d& gravity, double step_s, int begin, int end) {
+void integrate(Particles& p, const Loads& loads, const Eigen::Vector3d& gravity, StepLength step, int begin, int end) {
   for (int i = begin; i < end; ++i) {
     if (p.fixed(i)) continue;
-    p.velocity[i] += step_s * (gravity + p.inverse_mass[i] * loads.force[i]);
-    p.position[i] += step_s * p.velocity[i];
-    p.angular_momentum[i] += step_s * loads.torque[i];
-    turn_free_top(p.orientation[i], p.angular_momentum[i], p.inertia[i], step_s);
+    p.velocity[i] += step.kick() * (gravity + p.inverse_mass[i] * loads.force[i]);
+    p.position[i] += step.now * p.velocity[i];
+    p.angular_momentum[i] += step.kick() * loads.torque[i];
+    turn_free_top(p.orientation[i], p.angular_momentum[i], p.inertia[i], step.now);
   }
 }
 

@@ -4,10 +4,19 @@
 
 namespace trigrain {
 
-/// Moves bodies [begin, end) on by step_s (s): symplectic Euler for the centre of mass; the spatial angular momentum is
-/// kicked by the torque, then the free top turns by the splitting into rotations about the principal axes
+/// A step (s): momenta are half a step behind positions, so loads act from the middle of the last step to that of this
+/// one. With steps of one length that is symplectic Euler; with others free fall still is the exact parabola.
+struct StepLength {
+  double last, now;
+  StepLength(double equal = 0) : last(equal), now(equal) {} // NOLINT: most steps are equal
+  StepLength(double last_s, double now_s) : last(last_s), now(now_s) {}
+  double kick() const { return (last + now) / 2; }
+};
+
+/// Moves bodies [begin, end) on by step.now (s): the centre of mass is kicked, then drifts; the spatial angular
+/// momentum is kicked by the torque, then the free top turns by the splitting into rotations about the principal axes
 /// (Dullweber, Leimkuhler & McLachlan 1997), which keeps that momentum to round-off and the orientation a rotation.
-void integrate(Particles& particles, const Loads& loads, const Eigen::Vector3d& gravity, double step_s, int begin,
+void integrate(Particles& particles, const Loads& loads, const Eigen::Vector3d& gravity, StepLength step, int begin,
                int end);
 
 /// Kinetic energy of all bodies (J), translation and rotation.

@@ -33,9 +33,9 @@ struct ContactParameters {
 };
 
 struct TimeParameters {
-  double step = 1e-5;            ///< s
+  double step = 1e-5;            ///< s; what a contact needs, and with control "fixed" every step
   double end = 1;                ///< s
-  std::string control = "fixed"; ///< how the step changes
+  std::string control = "fixed"; ///< how the step changes: a row of step_controls()
 };
 
 /// Cube that the grid divides (m). Bodies may leave it.

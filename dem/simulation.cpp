@@ -2,6 +2,7 @@
 #include "dem/critical_step.hpp"
 #include "dem/forces.hpp"
 #include "dem/motion.hpp"
+#include "dem/step_size.hpp"
 #include "kernels/name_table.hpp"
 #include <algorithm>
 #include <chrono>
@@ -50,6 +51,7 @@ struct Simulation::State {
   Options options;
   const Scheme& scheme;
   NarrowPhase narrow;
+  const StepControl& control;
   Particles particles;
   Grid grid;
   Team team;
@@ -59,12 +61,13 @@ struct Simulation::State {
   Loads loads, next_loads; // next_loads: what add_load() gathered for the next step
   bool has_next_loads = false;
   double time = 0;
+  StepLength step; // s
 
   State(Scene s, Options o)
       : scene(std::move(s)), options(std::move(o)), scheme(row_named(schemes(), "scheme", options.scheme)),
         narrow{&row_named(kernels(), "kernel", options.kernel), &row_named(prechecks(), "pre-check", options.precheck),
                &row_named(contact_rules(), "contact rule", options.contact_rule)},
-        particles(particles_of(scene)),
+        control(row_named(step_controls(), "time.control", scene.time.control)), particles(particles_of(scene)),
         grid(row_named(grid_kinds(), "grid", options.grid), options.subdivision, scene.domain, particles),
         team(runtime_for(options, scheme), threads_of(options)) {
     const int n = particles.size();
@@ -73,6 +76,7 @@ struct Simulation::State {
       throw InputError("the time step of " + number(scene.time.step) + " s is not between 0 and the critical step of " +
                        number(largest_step) + " s of its contacts (" + scene.name +
                        ": time.step_s). Take a smaller step or a softer contact.");
+    step = scene.time.step;
     buffers.resize(team.threads());
     for (Loads* l : {&loads, &next_loads}) {
       l->force.assign(n, Eigen::Vector3d::Zero());
@@ -150,7 +154,7 @@ void Simulation::State::merge(StepStats& stats) {
 void Simulation::State::forces() {
   carry_springs(last_contacts, contacts);
   team.parallel_for(static_cast<int>(contacts.size()), grain, [&](int begin, int end, int) {
-    contact_forces(particles, scene.contact, scene.time.step, std::span(contacts).subspan(begin, end - begin));
+    contact_forces(particles, scene.contact, step.now, std::span(contacts).subspan(begin, end - begin));
   });
   if (has_next_loads) {
     std::swap(loads, next_loads);
@@ -166,9 +170,9 @@ void Simulation::State::forces() {
 
 void Simulation::State::integrate() {
   team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
-    trigrain::integrate(particles, loads, scene.gravity, scene.time.step, begin, end);
+    trigrain::integrate(particles, loads, scene.gravity, step, begin, end);
   });
-  time += scene.time.step;
+  time += step.now;
 }
 
 Simulation::Simulation(Scene scene, Options options)
@@ -184,6 +188,8 @@ StepStats Simulation::step() {
   {
     const PhaseTimer timer(stats, Phase::grid);
     s.update_grid(stats);
+    s.step.last = s.step.now;
+    s.step.now = s.control.next({s.particles, s.grid, s.loads, s.scene.gravity, s.scene.time.step, s.step.last});
   }
   {
     const PhaseTimer timer(stats, Phase::detect);
@@ -215,10 +221,11 @@ const Options& Simulation::options() const { return state_->options; }
 const Particles& Simulation::particles() const { return state_->particles; }
 const std::vector<Contact>& Simulation::contacts() const { return state_->contacts; }
 double Simulation::time() const { return state_->time; }
+double Simulation::step_size() const { return state_->step.now; }
 
 Energy Simulation::energy() const {
   const State& s = *state_;
-  const Particles p = s.time > 0 ? centred(s.particles, s.loads, s.scene.gravity, s.scene.time.step) : s.particles;
+  const Particles p = s.time > 0 ? centred(s.particles, s.loads, s.scene.gravity, s.step.now) : s.particles;
   return {.kinetic = kinetic_energy(p),
           .potential = potential_energy(p, s.scene.gravity),
           .elastic = elastic_energy(s.scene.contact, s.contacts)};

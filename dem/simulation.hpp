@@ -46,6 +46,7 @@ class Simulation {
   const Particles& particles() const;
   const std::vector<Contact>& contacts() const; ///< of the last step, sorted
   double time() const;                          ///< s
+  double step_size() const;                     ///< of the last step (s)
   Energy energy() const;                        ///< at the middle of the last step (see centred())
   /// 64 bits that differ when any bit of any position, orientation, velocity or angular momentum does.
   std::uint64_t state_hash() const;

@@ -1,0 +1,118 @@
+#include "dem/step_size.hpp"
+#include "kernels/sphere.hpp"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace trigrain {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double growth = 1.1; // from one step to the next (Krestenitis 2018, 9.1)
+
+double fixed_step(const StepView& v) { return v.contact_step; }
+
+Vector3d acceleration(const StepView& v, int i) {
+  if (v.particles.fixed(i)) return Vector3d::Zero();
+  return v.gravity + v.particles.inverse_mass[i] * v.loads.force[i];
+}
+
+/// No point of the body is faster than this about its centre (m/s).
+double spin(const Particles& p, int i) { return p.is_sphere(i) ? 0 : p.angular_velocity(i).norm() * p.radius[i]; }
+
+/// Time t (s) in which a gap (m) cannot close at this speed (m/s) and acceleration (m/s2): a step after a last one of
+/// `last` s moves by t (speed + acceleration (last + t) / 2).
+double time_to_close(double gap, double speed, double acceleration, double last) {
+  if (gap <= 0) return 0;
+  speed += acceleration * last / 2;
+  const double denominator = speed + std::sqrt(speed * speed + 2 * acceleration * gap);
+  return denominator > 0 ? 2 * gap / denominator : std::numeric_limits<double>::infinity();
+}
+
+/// Distance of x (m, world) from the triangles of a body, or `far` if that is less.
+double distance_to_mesh(const Particles& p, int body, const Vector3d& x, double far, std::vector<int>& scratch) {
+  const Vector3d local = p.orientation[body].conjugate() * (x - p.position[body]);
+  const TrianglesView triangles = p.mesh[body]->triangles.view();
+  triangles_near_point(triangles, {local.x(), local.y(), local.z()}, far, scratch);
+  double least2 = far * far;
+  for (const int i : scratch)
+    least2 = std::min(least2, closest_point({local.x(), local.y(), local.z()}, triangles[i]).distance2);
+  return std::sqrt(least2);
+}
+
+/// What is left between the halos of two bodies, at least (m): exact against fixed meshes up to `horizon`, else of
+/// their bounding spheres.
+double gap_of(const Particles& p, BodyPair pair, double horizon, std::vector<int>& scratch) {
+  const double halos = p.halo[pair.a] + p.halo[pair.b];
+  for (const auto& [wall, body] : {std::pair(pair.a, pair.b), std::pair(pair.b, pair.a)})
+    if (p.fixed(wall) && p.mesh[wall]) {
+      const double reach = p.radius[body] + halos;
+      return distance_to_mesh(p, wall, p.position[body], reach + horizon, scratch) - reach;
+    }
+  return (p.position[pair.a] - p.position[pair.b]).norm() - p.radius[pair.a] - p.radius[pair.b] - halos;
+}
+
+template <class Visit> void for_pairs(const StepView& v, const Visit& visit) {
+  std::vector<BodyPair> pairs;
+  for (int entry = 0; entry < v.grid.entries(); ++entry) {
+    pairs.clear();
+    v.grid.pairs_of(entry, v.particles, pairs);
+    for (const BodyPair pair : pairs)
+      if (!visit(pair)) return;
+  }
+}
+
+/// Longest step (s) in which no pair that is apart can come to overlap, and of those that the grid tells apart none can
+/// pass what their cells leave between them: two bodies that share no cell are at least half of (cell - diameter) of
+/// the one and half of that of the other apart.
+double approach(const StepView& v) {
+  const Particles& p = v.particles;
+  double step = growth * v.last_step;
+  const Spacetree& tree = v.grid.tree();
+  for (int i = 0; i < p.size(); ++i) {
+    if (p.fixed(i) || v.grid.level_of(i) == 0) continue;
+    const double room = tree.level(v.grid.level_of(i)).cell_size / 2 - p.radius[i] - p.halo[i];
+    step =
+        std::min(step, time_to_close(room, p.velocity[i].norm() + spin(p, i), acceleration(v, i).norm(), v.last_step));
+  }
+  std::vector<int> scratch;
+  for_pairs(v, [&](BodyPair pair) {
+    const double speed = (p.velocity[pair.a] - p.velocity[pair.b]).norm() + spin(p, pair.a) + spin(p, pair.b);
+    const double pull = (acceleration(v, pair.a) - acceleration(v, pair.b)).norm();
+    const double horizon = step * (speed + (v.last_step + step) / 2 * pull);
+    step = std::min(step, time_to_close(gap_of(p, pair, horizon, scratch), speed, pull, v.last_step));
+    return step > v.contact_step;
+  });
+  return std::max(step, v.contact_step);
+}
+
+/// As published: looks at gaps and not at speeds, but for the bound that no body crosses more than its own width. A
+/// body that is fast and not yet near jumps over the halo of what it should hit.
+double gap_only(const StepView& v) {
+  const Particles& p = v.particles;
+  double step = growth * v.last_step;
+  for (int i = 0; i < p.size(); ++i)
+    if (!p.fixed(i)) step = std::min(step, time_to_close(2 * (p.radius[i] + p.halo[i]), p.velocity[i].norm(), 0, 0));
+  std::vector<int> scratch;
+  for_pairs(v, [&](BodyPair pair) {
+    const double near = p.halo[pair.a] + p.halo[pair.b]; // the contact-critical length
+    if (gap_of(p, pair, near, scratch) < near) step = 0;
+    return step > 0;
+  });
+  return std::max(step, v.contact_step);
+}
+
+constexpr StepControl table[] = {
+    {"fixed", "the scene's step throughout", fixed_step},
+    {"approach", "no pair comes to overlap within a step; contacts get the scene's step (Krestenitis 2018, safe)",
+     approach},
+    {"gap-only", "the scene's step near contact, whatever the speed; fast bodies pass through (Krestenitis 2018)",
+     gap_only},
+};
+
+} // namespace
+
+std::span<const StepControl> step_controls() { return table; }
+
+} // namespace trigrain

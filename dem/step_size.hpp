@@ -1,0 +1,29 @@
+#pragma once
+#include "dem/grid.hpp"
+#include "dem/loads.hpp"
+#include "dem/particles.hpp"
+#include <span>
+#include <string_view>
+
+namespace trigrain {
+
+/// What the step size may depend on. The grid has just been updated; loads are those of the last step.
+struct StepView {
+  const Particles& particles;
+  const Grid& grid;
+  const Loads& loads;
+  Eigen::Vector3d gravity; ///< m/s2
+  double contact_step;     ///< the step that a contact needs (s)
+  double last_step;        ///< s
+};
+
+/// How the time step follows the contacts.
+struct StepControl {
+  std::string_view name;
+  std::string_view about;
+  double (*next)(const StepView&); ///< s, at least contact_step
+};
+
+std::span<const StepControl> step_controls();
+
+} // namespace trigrain
