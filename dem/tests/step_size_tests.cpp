@@ -67,6 +67,7 @@ TEST(StepSize, ApproachNeverCrossesAndNeedsAQuarterOfTheStepsAtEqualEnergyError)
     EXPECT_LE(b.energy_error, fixed.energy_error) << grid;
     EXPECT_LT(b.steps * 4, fixed.steps) << grid;
     RecordProperty(grid, std::to_string(b.steps) + " steps of " + std::to_string(fixed.steps));
+  }
 }
 
 TEST(StepSize, ApproachSeesTheSpeedOfATurningRod) {
