@@ -80,6 +80,7 @@ double approach(const StepView& v) {
   for_pairs(v, [&](BodyPair pair) {
     const double speed = (p.velocity[pair.a] - p.velocity[pair.b]).norm() + spin(p, pair.a) + spin(p, pair.b);
     const double pull = (acceleration(v, pair.a) - acceleration(v, pair.b)).norm();
+    if (speed == 0 && pull == 0) return true; // they stay as they are
     const double horizon = step * (speed + (v.last_step + step) / 2 * pull);
     step = std::min(step, time_to_close(gap_of(p, pair, horizon, scratch), speed, pull, v.last_step));
     return step > v.contact_step;
