@@ -1,4 +1,5 @@
 """Reads one sweep's folder under results/: its index and the records of its points."""
+import hashlib
 import json
 import statistics
 from dataclasses import dataclass
@@ -62,7 +63,7 @@ def load_sweep(results: Path, name: str) -> Sweep:
 def _point(folder: Path, entry: dict) -> Point:
     state, why, record = entry["state"], entry["why"], _record(folder / f"{entry['id']}.json", entry["id"])
     if record is None:
-        state, why = ("missing", "its record is not there") if state == DRAWN else (state, why)
+        state, why = ("missing", "its record is not there, or was changed by hand") if state == DRAWN else (state, why)
     else:
         state, why = _verdict(record, why)
     return Point(entry["id"], entry["params"], state, why, record)
@@ -84,9 +85,19 @@ def _verdict(record: dict, why: str) -> tuple[str, str]:
 def _record(path: Path, id: str) -> dict | None:
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
-        return record if record["schema"] == "trigrain-record-1" and record["point_id"] == id else None
+        known = record["schema"] == "trigrain-record-1" and record["point_id"] == id
+        return record if known and _unchanged(record) else None
     except (OSError, ValueError, KeyError, TypeError):
         return None
+
+
+def _unchanged(record: dict) -> bool:
+    """Whether the record is as the sweep wrote it: SHA-256 of compact JSON with sorted keys, without "sweep" itself."""
+    if "sweep" not in record:
+        return True
+    bare = {key: value for key, value in record.items() if key != "sweep"}
+    text = json.dumps(bare, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest() == record["sweep"]["sha256"]
 
 
 def provenance(points: list[Point]) -> list[str]:

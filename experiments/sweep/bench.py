@@ -1,4 +1,4 @@
-"""The point program dem_bench: where it is, what this build of it can do, and the command line of a point."""
+"""The program that runs a point: where it is, what this build of it can do, and the command line of a point."""
 import os
 import subprocess
 import sys
@@ -7,17 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from sweep.errors import SweepError
-from sweep.parameters import arguments
+from sweep.parameters import Program
 from sweep.points import Point, StartState
-
-PROGRAM = "dem_bench"
 
 
 @dataclass(frozen=True)
 class Bench:
-    """A build of dem_bench: the names it lists per parameter ("grid": {"none", "regular"}), and the commit of the
+    """A build of a program: the names it lists per parameter ("grid": {"none", "regular"}), and the commit of the
     sources."""
-    program: Path
+    program: Program
+    path: Path
     variants: dict[str, set[str]]
     commit: str | None
 
@@ -29,28 +28,30 @@ class Bench:
         return None
 
 
-def find_bench(folder: Path | None, root: Path) -> Bench:
-    """dem_bench of `folder`; None: beside the program that was started, then in the release build under `root`.
+def find_bench(program: Program, folder: Path | None, root: Path) -> Bench:
+    """The program in `folder`; None: beside the program that was started, then in the release build under `root`.
     SweepError if there is none or it cannot say what it knows."""
     places = [folder] if folder else [Path(sys.argv[0]).resolve().parent, root / "build/release/bin"]
     for place in places:
-        if os.access(place / PROGRAM, os.X_OK):
-            return _describe((place / PROGRAM).resolve(), root)
-    raise SweepError(f"no {PROGRAM} (looked in {', '.join(map(str, places))}). "
+        if os.access(place / program.name, os.X_OK):
+            return _describe(program, (place / program.name).resolve(), root)
+    raise SweepError(f"no {program.name} (looked in {', '.join(map(str, places))}). "
                      "Build first (cmake --preset release && cmake --build --preset release) or give --bin DIR.")
 
 
 def point_command(bench: Bench, point: Point, spec_folder: Path, outputs: list[str], start: Path | None) -> list[str]:
-    """dem_bench for a point; `outputs` are the options that say what to write where."""
+    """The command of a point; `outputs` are the options that say what to write where."""
     begin = ["--start-state", str(start)] if start else []
-    return [str(bench.program), *arguments(_at(point.params, spec_folder)), *begin, "--point-id", point.id, *outputs]
+    options = bench.program.arguments(_at(point.params, spec_folder))
+    return [str(bench.path), *options, *begin, "--point-id", point.id, *outputs]
 
 
 def state_command(bench: Bench, state: StartState, spec_folder: Path, cores: int, outputs: list[str]) -> list[str]:
-    """dem_bench for a start state; a parallel scheme uses all cores, as it gives the same bits for every number."""
+    """The command of a start state; a parallel scheme uses all cores, as it gives the same bits for every number."""
     threads = 1 if state.params.get("scheme", "serial") == "serial" else cores
     once = ["--threads", str(threads), "--repeats", "1", "--warmup", "0", "--check-steps", "5"]
-    return [str(bench.program), *arguments(_at(state.params, spec_folder)), *once, "--point-id", state.id, *outputs]
+    options = bench.program.arguments(_at(state.params, spec_folder))
+    return [str(bench.path), *options, *once, "--point-id", state.id, *outputs]
 
 
 def _at(params: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -71,14 +72,14 @@ def usable_cores() -> int:
     return min(cores, allowed) if cores else allowed
 
 
-def _describe(program: Path, root: Path) -> Bench:
+def _describe(program: Program, path: Path, root: Path) -> Bench:
     try:
-        answer = subprocess.run([program, "--list"], capture_output=True, text=True, timeout=60, check=True)
+        answer = subprocess.run([path, "--list"], capture_output=True, text=True, timeout=60, check=True)
     except subprocess.CalledProcessError as error:
         trouble = f"exit code {error.returncode}: {error.stderr.strip()[-200:]}"
-        raise SweepError(f"{program} does not run (--list: {trouble}). Build it again.") from None
+        raise SweepError(f"{path} does not run (--list: {trouble}). Build it again.") from None
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise SweepError(f"{program} does not run (--list: {error}). Build it again.") from None
+        raise SweepError(f"{path} does not run (--list: {error}). Build it again.") from None
     variants: dict[str, set[str]] = {}
     for line in answer.stdout.splitlines():
         if line.startswith("  ") and variants:
@@ -87,9 +88,10 @@ def _describe(program: Path, root: Path) -> Bench:
             names = variants.setdefault(line.strip().removesuffix("s").replace(" ", "_"), set())
     if "runtime" in variants:
         variants["runtime"].add("default")
-    if not {"grid", "scheme", "kernel"} <= set(variants):
-        raise SweepError(f"{program} --list names no grids, schemes and kernels. Build it again.")
-    return Bench(program, variants, _commit(root))
+    if not set(variants) & set(program.parameters):
+        raise SweepError(f"{path} --list names no {', '.join(k for k, p in program.parameters.items() if p.names)}. "
+                         "Build it again.")
+    return Bench(program, path, variants, _commit(root))
 
 
 def _commit(root: Path) -> str | None:

@@ -1,13 +1,16 @@
-"""The command `sweep`: run, status, list."""
+"""The command `sweep`: run, status, list, merge, import."""
 import argparse
+import json
 import os
 import signal
 import sys
 from pathlib import Path
 
 from sweep import status
+from sweep.aliases import import_ini
 from sweep.bench import Bench, find_bench, usable_cores
 from sweep.errors import InputError, SweepError, nearest
+from sweep.merge import merge
 from sweep.points import Point, expand, select
 from sweep.process import Stop
 from sweep.progress import duration
@@ -40,6 +43,11 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of a pipe went away, as `sweep list | head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        place = f": {error.filename}" if error.filename else ""
+        print(f"cannot write or read ({error.strerror}{place}). Records that are there are whole; mend that, and the same "
+              "command resumes.", file=sys.stderr)
+        return SweepError.exit_code
 
 
 def _parser() -> Parser:
@@ -57,6 +65,14 @@ def _parser() -> Parser:
     show = commands.add_parser("status", help="what became of the points of a spec")
     show.set_defaults(command=_status)
     _common(show)
+    join = commands.add_parser("merge", help="take over records that other machines made, as of shards")
+    join.set_defaults(command=_merge)
+    _common(join)
+    join.add_argument("others", nargs="+", type=Path, metavar="RESULTS", help="results folders of other runs")
+    old = commands.add_parser("import", help="make a spec of an option file (INI) of the ancestor's sweeps")
+    old.set_defaults(command=_import)
+    old.add_argument("file", type=Path)
+    old.add_argument("--out", type=Path, metavar="SPEC", help="the spec to write (default: print it)")
     specs = commands.add_parser("list", help="the specs there are")
     specs.set_defaults(command=_list)
     return parser
@@ -76,7 +92,7 @@ def _common(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     spec = _read(options)
-    bench = find_bench(options.bin, ROOT)
+    bench = find_bench(spec.program, options.bin, ROOT)
     store = Store(options.results, spec.name)
     points = expand(spec)
     chosen = select(points, options.only, options.shard)
@@ -88,7 +104,7 @@ def _run(options: argparse.Namespace) -> int:
         to_run = _to_run(statuses, options)
         print(f"{spec.name} ({spec.preset}): {status.counts(statuses)}; running {len(to_run)}")
         stop = Stop()
-        runner = Runner(spec, store, bench, options.cores, stop, dict(store.load_index().get("took_s", {})))
+        runner = Runner(spec, store, bench, options.cores, stop)
         interrupted = False
         with stop.listening():
             try:
@@ -96,7 +112,7 @@ def _run(options: argparse.Namespace) -> int:
             except Interrupted:
                 interrupted = True
             everything = [status_of(point, store, bench, options.cores) for point in points]
-            status.write_index(store, spec, everything, options.cores, runner.took_s)
+            status.write_index(store, spec, everything, options.cores)
     after = [status_of(point, store, bench, options.cores) for point in chosen]
     if interrupted:
         print(f"interrupted: {status.counts(after)}. Nothing is lost; the same command resumes.", file=sys.stderr)
@@ -129,18 +145,54 @@ def _dry_run(spec: Spec, options: argparse.Namespace, bench: Bench, store: Store
     for state in states:
         users = sum(point.start == state for point in to_run)
         print(f"{state.id}  start state at {state.params['end_s']:g} s for {users} points: would be computed first")
-    took = store.load_index().get("took_s", {})
-    known = [took[point.id] for point in points if point.id in took]
-    guess = duration(sum(known) / len(known) * len(to_run)) if known else "unknown: none has run yet"
+    guess = _estimate(statuses, to_run)
     print(f"{spec.name} ({spec.preset}): {len(points)} points, {len(to_run)} would run and {len(states)} start states "
           f"be computed first; {status.counts(statuses)}. Estimated time of the points: {guess}")
+    return 0
+
+
+def _estimate(statuses: list[PointStatus], to_run: list[Point]) -> str:
+    """Of each point what it took before, else the mean of those that have run."""
+    known = {each.point.id: each.took_s for each in statuses if each.took_s is not None}
+    if not to_run:
+        return "nothing to run"
+    if not known:
+        return "unknown: none has run yet"
+    mean = sum(known.values()) / len(known)
+    return duration(sum(known.get(point.id, mean) for point in to_run))
+
+
+def _merge(options: argparse.Namespace) -> int:
+    spec = _read(options)
+    store = Store(options.results, spec.name)
+    with store.lock():
+        told = [merge(store, Store(other, spec.name)) for other in options.others]
+        statuses = [status_of(point, store, None, options.cores) for point in expand(spec)]
+        status.write_index(store, spec, statuses, options.cores)
+    print("\n".join(told))
+    print(f"{spec.name} ({spec.preset}): {status.counts(statuses)}")
+    return 0
+
+
+def _import(options: argparse.Namespace) -> int:
+    spec, notes = import_ini(options.file)
+    for note in notes:
+        print(f"note: {note}", file=sys.stderr)
+    text = json.dumps(spec, indent=2)
+    if not options.out:
+        print(text)
+        return 0
+    if options.out.exists():
+        raise InputError(f"'{options.out}' is there already (--out). Name another file.")
+    options.out.write_text(text + "\n", encoding="utf-8")
+    print(options.out)
     return 0
 
 
 def _status(options: argparse.Namespace) -> int:
     spec = _read(options)
     try:
-        bench = find_bench(options.bin, ROOT)
+        bench = find_bench(spec.program, options.bin, ROOT)
     except SweepError as error:
         bench = None
         print(f"warning: {error} Availability of variants is unknown.", file=sys.stderr)

@@ -1,6 +1,7 @@
 """Errors that end a sweep with one sentence."""
 import difflib
 from collections.abc import Iterable
+from typing import Any
 
 
 class SweepError(Exception):
@@ -18,3 +19,10 @@ def nearest(word: str, known: Iterable[str]) -> str:
     known = list(known)
     close = difflib.get_close_matches(word, known, n=1)
     return f"Did you mean '{close[0]}'?" if close else f"Known: {', '.join(known)}."
+
+
+def an_object(value: Any, where: str) -> dict:
+    """The value; InputError if it is no JSON object."""
+    if not isinstance(value, dict):
+        raise InputError(f"an object is expected, not {value!r} ({where}). Write {{...}}.")
+    return value

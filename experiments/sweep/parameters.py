@@ -1,4 +1,4 @@
-"""What a point may set: each parameter's option of dem_bench, its type and its names."""
+"""What a point may set: each parameter's option of the point program, its type and its names."""
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -8,14 +8,51 @@ from sweep.errors import InputError, nearest
 
 @dataclass(frozen=True)
 class Parameter:
-    """One key of a spec's fixed and axes. A build need not have every one of `names`: dem_bench --list says."""
+    """One key of a spec's fixed and axes. A build need not have every one of `names`: PROGRAM --list says."""
     option: str
     kind: type
     names: tuple[str, ...] = ()
     least: float = -math.inf
 
 
-PARAMETERS = {
+@dataclass(frozen=True)
+class Program:
+    """A program that runs one point: it takes --point-id ID, --record FILE and the options of its parameters, leaves a
+    record (experiments/schema/record.json), and names its variants with --list. Of each pair in `exactly_one` a point
+    sets one."""
+    name: str
+    parameters: dict[str, Parameter]
+    exactly_one: tuple[tuple[str, str], ...] = ()
+
+    def check_key(self, key: str, where: str) -> None:
+        """InputError for a key that is no parameter."""
+        if key not in self.parameters:
+            raise InputError(f"unknown parameter '{key}' ({where}). {nearest(key, self.parameters)}")
+
+    def typed(self, key: str, value: Any, where: str) -> Any:
+        """The value as the parameter's own type, so that 1 and 1.0 make the same point; InputError if it is none."""
+        self.check_key(key, where)
+        wanted = self.parameters[key]
+        if wanted.kind is str:
+            if not isinstance(value, str) or not value:
+                raise InputError(f"a name is expected, not {value!r} ({where}). {_examples(wanted)}")
+            if wanted.names and value not in wanted.names:
+                raise InputError(f"unknown {key} '{value}' ({where}). {nearest(value, wanted.names)}")
+            return value
+        whole = wanted.kind is int
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or _not_finite(value) or (whole and value % 1):
+            kind = "whole number" if whole else "number"
+            raise InputError(f"a {kind} is expected, not {value!r} ({where}). Give one number.")
+        if value < wanted.least:
+            raise InputError(f"{value} is too small ({where}). The least is {wanted.least:g}.")
+        return wanted.kind(value)
+
+    def arguments(self, params: dict[str, Any]) -> list[str]:
+        """Options and values of the program for typed parameters."""
+        return [word for key, value in params.items() for word in (self.parameters[key].option, str(value))]
+
+
+DEM_BENCH = Program("dem_bench", {
     "scene": Parameter("--scene", str, ("hopper", "hopper-dense", "two-particles", "gas")),
     "scene_file": Parameter("--scene-file", str),
     "particles": Parameter("--particles", int, least=1),
@@ -37,36 +74,9 @@ PARAMETERS = {
     "warmup": Parameter("--warmup", int, least=0),
     "check_steps": Parameter("--check-steps", int, least=1),
     "vtk_every_s": Parameter("--vtk-every", float, least=1e-9),
-}
+}, exactly_one=(("scene", "scene_file"), ("steps", "end_s")))
 
-
-def check_key(key: str, where: str) -> None:
-    """InputError for a key that is no parameter."""
-    if key not in PARAMETERS:
-        raise InputError(f"unknown parameter '{key}' ({where}). {nearest(key, PARAMETERS)}")
-
-
-def typed(key: str, value: Any, where: str) -> Any:
-    """The value as the parameter's own type, so that 1 and 1.0 make the same point; InputError if it is none."""
-    check_key(key, where)
-    wanted = PARAMETERS[key]
-    if wanted.kind is str:
-        if not isinstance(value, str) or not value:
-            raise InputError(f"a name is expected, not {value!r} ({where}). {_examples(wanted)}")
-        if wanted.names and value not in wanted.names:
-            raise InputError(f"unknown {key} '{value}' ({where}). {nearest(value, wanted.names)}")
-        return value
-    whole = wanted.kind is int
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or _not_finite(value) or (whole and value % 1):
-        raise InputError(f"a {'whole ' if whole else ''}number is expected, not {value!r} ({where}). Give one number.")
-    if value < wanted.least:
-        raise InputError(f"{value} is too small ({where}). The least is {wanted.least:g}.")
-    return wanted.kind(value)
-
-
-def arguments(params: dict[str, Any]) -> list[str]:
-    """Options and values of dem_bench for typed parameters."""
-    return [word for key, value in params.items() for word in (PARAMETERS[key].option, str(value))]
+PROGRAMS = {program.name: program for program in (DEM_BENCH,)}
 
 
 def _not_finite(value: Any) -> bool:

@@ -5,7 +5,10 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
+from sweep.aliases import key_here, value_here
+from sweep.axes import excluded
 from sweep.errors import InputError, nearest
+from sweep.parameters import DEM_BENCH
 from sweep.spec import Spec
 
 
@@ -18,7 +21,7 @@ class StartState:
 
 @dataclass(frozen=True)
 class Point:
-    """One process of dem_bench. `id` depends on the parameters alone, so that presets share records;
+    """One process of the spec's program. `id` depends on the parameters alone, so that presets share records;
     `name` tells it from its neighbours in the sweep."""
     id: str
     name: str
@@ -27,17 +30,35 @@ class Point:
 
 
 def expand(spec: Spec) -> list[Point]:
-    """All points, in the order of the axes, the last axis fastest."""
-    points = []
-    for values in itertools.product(*spec.axes.values()):
-        varied = dict(zip(spec.axes, values))
+    """All points, in the order of axes and zipped groups, the last fastest; InputError if two are the same."""
+    points: dict[str, Point] = {}
+    axes = [[{key: value} for value in values] for key, values in spec.axes.items()]
+    groups = [[dict(zip(group, row)) for row in zip(*group.values())] for group in spec.zips]
+    for combination in itertools.product(*axes, *groups):
+        varied = {key: value for part in combination for key, value in part.items()}
         params = {**spec.fixed, **varied}
+        if excluded(params, spec.exclude):
+            continue
         digest = _scene_digest(spec, params)
         start = _start_state(spec, params, digest)
-        identity = {**params, **({"start_state": start.id} if start else {}), **({"digest": digest} if digest else {})}
+        program = {} if spec.program == DEM_BENCH else {"program": spec.program.name}
+        identity = {**program, **params, **({"start_state": start.id} if start else {}),
+                    **({"digest": digest} if digest else {})}
         name = " ".join(f"{key}={value}" for key, value in varied.items()) or spec.name
-        points.append(Point(short_hash(identity), name, params, start))
-    return points
+        point = Point(short_hash(identity), name, params, start)
+        if point.id in points:
+            raise InputError(f"two points are the same ({spec.name}.json: {name}). Remove one row of zip.")
+        points[point.id] = point
+    return list(points.values())
+
+
+def comparable(points: list[Point], interleave: tuple[str, ...]) -> list[list[Point]]:
+    """Points in groups whose members differ in the parameters `interleave` alone, in order of first appearance."""
+    groups: dict[str, list[Point]] = {}
+    for point in points:
+        rest = {key: value for key, value in point.params.items() if key not in interleave}
+        groups.setdefault(short_hash(rest) if interleave else point.id, []).append(point)
+    return list(groups.values())
 
 
 def short_hash(params: dict[str, Any]) -> str:
@@ -52,14 +73,16 @@ def select(points: list[Point], only: list[str], shard: str | None) -> list[Poin
     chosen = points[_shard_slice(shard)] if shard else points
     for condition in only:
         key, _, values = condition.partition("=")
+        key = key_here(key)
         known = {key for point in points for key in point.params}
         if key not in known:
             raise InputError(f"no point has a parameter '{key}' (--only {condition}). {nearest(key, sorted(known))}")
         there = {str(point.params.get(key)) for point in points}
-        for value in values.split(","):
+        wanted = [value_here(key, value) for value in values.split(",")]
+        for value in wanted:
             if value not in there:
                 raise InputError(f"no point has {key} = '{value}' (--only {condition}). {nearest(value, sorted(there))}")
-        chosen = [point for point in chosen if str(point.params.get(key)) in values.split(",")]
+        chosen = [point for point in chosen if str(point.params.get(key)) in wanted]
     return chosen
 
 

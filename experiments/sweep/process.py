@@ -1,5 +1,7 @@
-"""Runs one child process with a time limit; stops it when the sweep is asked to stop."""
+"""Runs one child process within limits; stops it when the sweep is asked to stop, and when the sweep is killed."""
+import ctypes
 import os
+import resource
 import signal
 import subprocess
 import tempfile
@@ -11,6 +13,15 @@ from dataclasses import dataclass
 KEPT_LINES = 20
 TICK_S = 0.5
 GRACE_S = 5.0
+PR_SET_PDEATHSIG = 1  # linux/prctl.h
+LIBC = ctypes.CDLL(None)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a process may use: wall time (s) and, if given, address space (MB)."""
+    time_s: float
+    memory_mb: float | None = None
 
 
 class Stop:
@@ -42,28 +53,41 @@ class Outcome:
     stopped: bool = False
 
 
-def run(command: list[str], time_limit_s: float, stop: Stop, tick: Callable[[float], None]) -> Outcome:
+def run(command: list[str], limits: Limits, stop: Stop, tick: Callable[[float], None]) -> Outcome:
     """Runs to the end, the limit or the stop. The child has its own process group, so that ctrl-C reaches the sweep
-    alone, and none of its children outlives it."""
+    alone, and none of its children outlives it; it dies with a sweep that is killed."""
     began = time.monotonic()
     with tempfile.TemporaryFile() as output:
         try:
             child = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-                                     start_new_session=True)
+                                     start_new_session=True, preexec_fn=lambda: _prepare_child(limits))
         except OSError as error:
             return Outcome(127, [str(error)], 0.0)
         timed_out = stopped = False
         try:
             while child.poll() is None:
                 took = time.monotonic() - began
-                stopped, timed_out = stop.signal is not None, took > time_limit_s
+                stopped, timed_out = stop.signal is not None, took > limits.time_s
                 if stopped or timed_out:
                     break
                 tick(took)
-                _wait(child, min(TICK_S, max(0.01, time_limit_s - took)))
+                _wait(child, min(TICK_S, max(0.01, limits.time_s - took)))
         finally:
             _end(child)
         return Outcome(child.returncode, _tail(output), time.monotonic() - began, timed_out, stopped)
+
+
+def _prepare_child(limits: Limits) -> None:
+    """Runs in the child before its program does."""
+    LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if limits.memory_mb:
+        limit = int(limits.memory_mb * 1e6)
+        resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    try:  # where memory runs out, the kernel shall take the point and not the sweep
+        with open("/proc/self/oom_score_adj", "w", encoding="ascii") as file:
+            file.write("900")
+    except OSError:
+        pass
 
 
 def _end(child: subprocess.Popen) -> None:

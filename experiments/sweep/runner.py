@@ -1,15 +1,17 @@
 """Runs what is missing, one process at a time, and records what happened."""
 import os
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from sweep import process, status
 from sweep.bench import Bench, point_command, state_command
-from sweep.points import Point, StartState
+from sweep.errors import SweepError
+from sweep.points import Point, StartState, comparable
 from sweep.progress import Progress, duration
+from sweep.rounds import Rounds
 from sweep.spec import Spec
-from sweep.store import Store, load_record, now
+from sweep.store import DISK_FULL, Store, load_record, now
 
 CHECK_FAILED_EXIT = 1
 
@@ -20,29 +22,36 @@ class Interrupted(Exception):
 
 @dataclass
 class Runner:
-    """Runs points of one spec into one store. `took_s` gathers how long each process ran, by point id."""
+    """Runs points of one spec into one store."""
     spec: Spec
     store: Store
     bench: Bench
     cores: int
     stop: process.Stop
-    took_s: dict[str, float] = field(default_factory=dict)
 
     def run(self, points: list[Point]) -> None:
-        """Runs all `points` in order, whatever becomes of each. Interrupted if a signal came."""
+        """Runs all `points` in order, whatever becomes of each; compared ones take turns. Interrupted if a signal
+        came, SweepError if the disk is full."""
         states = missing_states(points, self.store)
-        progress = Progress(len(points) + len(states))
+        progress = Progress(len(points) + len(states), self.store.log)
         broken_states: dict[str, str] = {}
-        for point in points:
-            if point.start and point.start in states:
-                states.remove(point.start)
-                trouble = self._prepare(point.start, progress)
-                if trouble:
-                    broken_states[point.start.id] = trouble
-            if point.start and point.start.id in broken_states:
-                self._fail(point, {"reason": f"its start state failed: {broken_states[point.start.id]}"}, progress)
+        for group in comparable(points, self.spec.interleave):
+            ready = []
+            for point in group:
+                if point.start and point.start in states:
+                    states.remove(point.start)
+                    trouble = self._prepare(point.start, progress)
+                    if trouble:
+                        broken_states[point.start.id] = trouble
+                if point.start and point.start.id in broken_states:
+                    self._fail(point, {"reason": f"its start state failed: {broken_states[point.start.id]}"}, 0, progress)
+                else:
+                    ready.append(point)
+            if len(ready) > 1:
+                self._run_in_turns(ready, progress)
             else:
-                self._run_point(point, progress)
+                for point in ready:
+                    self._run_point(point, progress)
 
     def _prepare(self, state: StartState, progress: Progress) -> str | None:
         """Computes a start state; what went wrong, or None."""
@@ -54,16 +63,44 @@ class Runner:
         command = state_command(self.bench, state, self.spec.folder, self.cores, outputs)
         name = f"start state {state.id}"
         outcome = self._run(command, name, progress, part)
-        trouble = _trouble(outcome, self.spec.time_limit_s)
+        trouble = _trouble(outcome, self._limits())
         if trouble is None and not part.exists():
             trouble = "no state was written"
         if trouble is None:
             os.replace(part, final)
         part.unlink(missing_ok=True)
-        progress.finish(name, trouble or duration(outcome.took_s))
+        progress.finish(state.id, name, trouble or duration(outcome.took_s), outcome.took_s, bool(trouble))
         return " | ".join([trouble, *outcome.output[-1:]]) if trouble else None
 
     def _run_point(self, point: Point, progress: Progress) -> None:
+        record, failure, took_s = self._measure(point, point.name, progress)
+        if record is None:
+            self._fail(point, failure, took_s, progress)
+        else:
+            self._keep(point, record, took_s, progress)
+
+    def _run_in_turns(self, points: list[Point], progress: Progress) -> None:
+        """Repeats of the points in turn, A B A B, each a process of its own; the machine's moods hit all alike."""
+        rounds = {point.id: Rounds(point) for point in points}
+        running = list(points)
+        for number in range(max(each.wanted for each in rounds.values())):
+            for point in list(running):
+                mine = rounds[point.id]
+                if number >= mine.wanted:
+                    continue
+                name = f"{point.name} (repeat {number + 1} of {mine.wanted})"
+                record, failure, took_s = self._measure(mine.next_point(), name, progress)
+                mine.took_s += took_s
+                if record is None:
+                    running.remove(point)
+                    self._fail(point, failure, mine.took_s, progress)
+                else:
+                    mine.records.append(record)
+        for point in running:
+            self._keep(point, rounds[point.id].joined(), rounds[point.id].took_s, progress)
+
+    def _measure(self, point: Point, name: str, progress: Progress) -> tuple[dict | None, dict, float]:
+        """One process: its record or None, what is to be said of a failure, and how long it ran (s)."""
         part = self.store.record_path(point.id).with_suffix(f".{os.getpid()}.part")
         outputs = ["--record", str(part)]
         if "vtk_every_s" in point.params:
@@ -72,32 +109,40 @@ class Runner:
             outputs += ["--vtk", str(frames)]
         start = self.store.state_path(point.start.id) if point.start else None
         command = point_command(self.bench, point, self.spec.folder, outputs, start)
-        outcome = self._run(command, point.name, progress, part)
-        self.took_s[point.id] = round(outcome.took_s, 3)
-        trouble = _trouble(outcome, self.spec.time_limit_s, may_fail_check=True)
+        outcome = self._run(command, name, progress, part)
+        trouble, record = _trouble(outcome, self._limits(), may_fail_check=True), None
         if trouble is None:
             record, broken = load_record(part, point.id)
-            if record is not None:
-                os.replace(part, self.store.record_path(point.id))
-                passed = record["status"] == "finished" and record["check"]["passed"]
-                progress.finish(point.name, duration(outcome.took_s) + ("" if passed else ", CHECK FAILED"))
-                return
-            trouble = f"exit code {outcome.exit_code}, but {'a broken record: ' + broken if broken else 'no record'}"
+            if record is None:
+                what = f"a broken record: {broken}" if broken else "no record"
+                trouble = f"exit code {outcome.exit_code}, but {what}"
         part.unlink(missing_ok=True)
-        self._fail(point, {"exit_code": outcome.exit_code, "reason": trouble, "output": outcome.output,
-                           "took_s": round(outcome.took_s, 3), "command": command}, progress)
+        failure = {"exit_code": outcome.exit_code, "reason": trouble, "output": outcome.output, "command": command}
+        return record, failure, outcome.took_s
+
+    def _limits(self) -> process.Limits:
+        return process.Limits(self.spec.time_limit_s, self.spec.memory_limit_mb)
 
     def _run(self, command: list[str], name: str, progress: Progress, part: Path) -> process.Outcome:
         if self.stop.signal is None:
-            outcome = process.run(command, self.spec.time_limit_s, self.stop, lambda s: progress.tick(name, s))
+            outcome = process.run(command, self._limits(), self.stop, lambda s: progress.tick(name, s))
+            if outcome.exit_code and any(os.strerror(number) in line for number in DISK_FULL for line in outcome.output):
+                part.unlink(missing_ok=True)
+                raise SweepError(f"the disk is full ({self.store.folder}). Free some space; the same command resumes.")
             if not outcome.stopped:
                 return outcome
         part.unlink(missing_ok=True)
         raise Interrupted
 
-    def _fail(self, point: Point, failure: dict, progress: Progress) -> None:
-        self.store.write_failure(point.id, point.params, {**failure, "ended_utc": now()})
-        progress.finish(point.name, f"FAILED, {failure['reason']}")
+    def _keep(self, point: Point, record: dict, took_s: float, progress: Progress) -> None:
+        self.store.write_record(point.id, record, took_s)
+        passed = record["status"] == "finished" and record["check"]["passed"]
+        result = duration(took_s) + ("" if passed else ", CHECK FAILED")
+        progress.finish(point.id, point.name, result, took_s, trouble=not passed)
+
+    def _fail(self, point: Point, failure: dict, took_s: float, progress: Progress) -> None:
+        self.store.write_failure(point.id, point.params, {**failure, "ended_utc": now()}, took_s)
+        progress.finish(point.id, point.name, f"FAILED, {failure['reason']}", took_s, trouble=True)
 
 
 def missing_states(points: list[Point], store: Store) -> list[StartState]:
@@ -115,9 +160,14 @@ def set_aside_broken(statuses: list[status.PointStatus], store: Store) -> None:
                   f"Renamed to {aside.name}; the point counts as missing.", file=sys.stderr)
 
 
-def _trouble(outcome: process.Outcome, limit_s: float, may_fail_check: bool = False) -> str | None:
+def _trouble(outcome: process.Outcome, limits: process.Limits, may_fail_check: bool = False) -> str | None:
     if outcome.timed_out:
-        return f"stopped at the time limit of {duration(limit_s)}"
+        return f"stopped at the time limit of {duration(limits.time_s)}"
+    if any("bad_alloc" in line for line in outcome.output[-3:]):
+        of = f" of {limits.memory_mb:g} MB" if limits.memory_mb else ""
+        return f"out of memory{of}"
+    if outcome.exit_code == -9:
+        return "killed by signal 9, as the kernel does when memory runs out"
     if outcome.exit_code < 0:
         return f"killed by signal {-outcome.exit_code}"
     if outcome.exit_code == 0 or (may_fail_check and outcome.exit_code == CHECK_FAILED_EXIT):

@@ -1,14 +1,16 @@
-"""Reads a spec: fixed parameters, axes, presets and preparation; schema in experiments/schema/spec.json."""
+"""Reads a spec: what is fixed, what varies, presets and preparation; schema in experiments/schema/spec.json."""
 import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sweep.errors import InputError, nearest
-from sweep.parameters import PARAMETERS, check_key, typed
+from sweep import axes as varied
+from sweep.errors import InputError, an_object, nearest
+from sweep.parameters import PROGRAMS, Program
 
-KEYS = ("title", "about", "fixed", "axes", "prepare", "time_limit_s", "elsewhere")
-OVERRIDABLE = ("fixed", "axes", "prepare", "time_limit_s")
+KEYS = ("title", "about", "program", "fixed", "axes", "zip", "exclude", "interleave", "prepare", "time_limit_s",
+        "memory_limit_mb", "elsewhere")
+OVERRIDABLE = ("fixed", "axes", "zip", "exclude", "prepare", "time_limit_s", "memory_limit_mb")
 PREPARE_KEYS = ("by", "params", "end_s")
 # How long or how often a point is timed says nothing about the state it starts from.
 NOT_PREPARED = ("steps", "end_s", "repeats", "warmup", "check_steps", "threads", "vtk_every_s")
@@ -24,15 +26,21 @@ class Prepare:
 
 @dataclass(frozen=True)
 class Spec:
-    """One spec with one of its presets applied; `folder` is where its scene files are looked for."""
+    """One spec with one of its presets applied; `folder` is where its scene files are looked for. Points that differ
+    in the parameters `interleave` alone are compared: their repeats take turns."""
     name: str
     preset: str
     title: str
     about: str
+    program: Program
     fixed: dict[str, Any]
     axes: dict[str, list]
+    zips: list[dict[str, list]]
+    exclude: list[dict[str, list]]
+    interleave: tuple[str, ...]
     prepare: Prepare | None
     time_limit_s: float
+    memory_limit_mb: float | None
     elsewhere: list[dict[str, str]]
     folder: Path
 
@@ -43,74 +51,97 @@ def read_spec(path: Path, preset: str | None = None) -> Spec:
     raw = _load(path)
     name = path.name
     _known_keys(raw, (*KEYS, "presets"), name, "")
-    presets = _object(raw.get("presets", {}), f"{name}: presets")
+    presets = an_object(raw.get("presets", {}), f"{name}: presets")
     chosen = preset or ("quick" if "quick" in presets else "full")
     if chosen not in presets and chosen != "full" and (preset and (presets or preset != "quick")):
         raise InputError(f"unknown preset '{chosen}' ({name}: presets). {nearest(chosen, ['full', *presets])}")
     for each, change in presets.items():
-        _known_keys(_object(change, f"{name}: presets.{each}"), OVERRIDABLE, name, f"presets.{each}.")
+        _known_keys(an_object(change, f"{name}: presets.{each}"), OVERRIDABLE, name, f"presets.{each}.")
         _build({**raw, "presets": presets}, each, path)  # a wrong preset is told even if another one was asked for
     return _build(raw, chosen, path)
 
 
 def _build(raw: dict, preset: str, path: Path) -> Spec:
     name = path.name
-    fixed, axes = _parameters(raw, f"{name}: ")
+    program = _program(raw, name)
     change = raw.get("presets", {}).get(preset, {})
-    new_fixed, new_axes = _parameters(change, f"{name}: presets.{preset}.")
+    old, new = f"{name}: ", f"{name}: presets.{preset}."
+    fixed, axes = _parameters(program, raw, old)
+    new_fixed, new_axes = _parameters(program, change, new)
     fixed = {k: v for k, v in fixed.items() if k not in new_axes} | new_fixed
     axes = {k: v for k, v in axes.items() if k not in new_fixed} | new_axes
-    prepare = _changed(raw.get("prepare"), change, f"{name}: presets.{preset}.prepare")
-    limit = change.get("time_limit_s", raw.get("time_limit_s", 3600))
-    if isinstance(limit, bool) or not isinstance(limit, (int, float)) or not limit > 0:
-        raise InputError(f"a time above 0 s is expected, not {limit!r} ({name}: time_limit_s). Give seconds.")
-    spec = Spec(path.stem, preset, _text(raw, "title", name), _text(raw, "about", name), fixed, axes,
-                None if prepare is None else _prepare(prepare, name), float(limit), _elsewhere(raw, name), path.parent)
+
+    def latest(key: str, read):
+        """The preset's value of `key` if it has one, else the spec's; None if neither has."""
+        part, where = (change, new) if key in change else (raw, old)
+        return read(part[key], f"{where}{key}") if key in part else None
+
+    prepare = _changed(raw.get("prepare"), change, f"{new}prepare")
+    spec = Spec(path.stem, preset, _text(raw, "title", name), _text(raw, "about", name), program, fixed, axes,
+                latest("zip", lambda value, where: varied.read_zip(program, value, where)) or [],
+                latest("exclude", lambda value, where: varied.read_exclude(program, value, where)) or [],
+                _interleave(program, raw.get("interleave", []), f"{name}: interleave"),
+                None if prepare is None else _prepare(program, prepare, name),
+                latest("time_limit_s", _above_zero) or 3600.0, latest("memory_limit_mb", _above_zero),
+                _elsewhere(raw, name), path.parent)
     _complete(spec, name)
     return spec
+
+
+def _program(raw: dict, name: str) -> Program:
+    chosen = raw.get("program", "dem_bench")
+    if not isinstance(chosen, str) or chosen not in PROGRAMS:
+        raise InputError(f"unknown program {chosen!r} ({name}: program). {nearest(str(chosen), PROGRAMS)}")
+    return PROGRAMS[chosen]
+
+
+def _above_zero(value: Any, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not value > 0:
+        unit, words = ("s", "Give seconds") if where.endswith("_s") else ("MB", "Give megabytes")
+        raise InputError(f"a number above 0 {unit} is expected, not {value!r} ({where}). {words}.")
+    return float(value)
+
+
+def _interleave(program: Program, raw: Any, where: str) -> tuple[str, ...]:
+    if not isinstance(raw, list):
+        raise InputError(f"a list of parameters is expected, not {raw!r} ({where}). Write [\"kernel\", ...].")
+    for i, key in enumerate(raw):
+        program.check_key(str(key), f"{where}[{i}]")
+    return tuple(raw)
 
 
 def _changed(prepare: Any, change: dict, where: str) -> Any:
     """A preset may change single keys of `prepare`, or remove all of it by null."""
     if change.get("prepare") is None:
         return prepare if "prepare" not in change else None
-    return {**_object(prepare or {}, where), **_object(change["prepare"], where)}
+    return {**an_object(prepare or {}, where), **an_object(change["prepare"], where)}
 
 
-def _parameters(part: dict, where: str) -> tuple[dict, dict]:
-    fixed = {key: typed(key, value, f"{where}fixed.{key}")
-             for key, value in _object(part.get("fixed", {}), f"{where}fixed").items()}
-    axes = {}
-    for key, values in _object(part.get("axes", {}), f"{where}axes").items():
-        here = f"{where}axes.{key}"
-        check_key(key, here)
+def _parameters(program: Program, part: dict, where: str) -> tuple[dict, dict]:
+    fixed = varied.read_fixed(program, part.get("fixed", {}), f"{where}fixed")
+    axes = varied.read_axes(program, part.get("axes", {}), f"{where}axes")
+    varied.refuse_repeated(axes, f"{where}axes")
+    for key in axes:
         if key in fixed:
-            raise InputError(f"'{key}' is both fixed and an axis ({here}). Keep one of the two.")
-        if not isinstance(values, list) or not values:
-            raise InputError(f"a list of values is expected, not {values!r} ({here}). Write [a, b, ...].")
-        axes[key] = [typed(key, value, f"{here}[{i}]") for i, value in enumerate(values)]
-        for i, value in enumerate(axes[key]):
-            if value in axes[key][:i]:
-                raise InputError(f"{value!r} is listed twice ({here}[{i}]). Remove one.")
+            raise InputError(f"'{key}' is both fixed and an axis ({where}axes.{key}). Keep one of the two.")
     return fixed, axes
 
 
-def _prepare(raw: Any, name: str) -> Prepare:
+def _prepare(program: Program, raw: Any, name: str) -> Prepare:
     where = f"{name}: prepare"
-    _known_keys(_object(raw, where), PREPARE_KEYS, name, "prepare.")
+    _known_keys(an_object(raw, where), PREPARE_KEYS, name, "prepare.")
     by = raw.get("by")
     if not isinstance(by, list) or not by:
         raise InputError(f"a list of parameters is expected, not {by!r} ({where}.by). Write [\"scene\", ...].")
     for i, key in enumerate(by):
-        check_key(str(key), f"{where}.by[{i}]")
-    params = {key: typed(key, value, f"{where}.params.{key}")
-              for key, value in _object(raw.get("params", {}), f"{where}.params").items()}
+        program.check_key(str(key), f"{where}.by[{i}]")
+    params = varied.read_fixed(program, raw.get("params", {}), f"{where}.params")
     for key in [*by, *params]:
         if key in NOT_PREPARED:
             raise InputError(f"'{key}' does not belong to a start state ({where}). Remove it.")
     if "end_s" not in raw:
         raise InputError(f"end_s is missing ({where}). Give the time (s) until which the start state is computed.")
-    return Prepare(tuple(by), params, typed("end_s", raw["end_s"], f"{where}.end_s"))
+    return Prepare(tuple(by), params, program.typed("end_s", raw["end_s"], f"{where}.end_s"))
 
 
 def _elsewhere(raw: dict, name: str) -> list[dict[str, str]]:
@@ -124,7 +155,12 @@ def _elsewhere(raw: dict, name: str) -> list[dict[str, str]]:
 
 def _complete(spec: Spec, name: str) -> None:
     given = {**spec.fixed, **spec.axes}
-    for one, other in (("scene", "scene_file"), ("steps", "end_s")):
+    for i, group in enumerate(spec.zips):
+        for key in group:
+            if key in given:
+                raise InputError(f"'{key}' is given twice ({name}: zip[{i}].{key}). Keep it in one place.")
+        given |= group
+    for one, other in spec.program.exactly_one:
         if (one in given) == (other in given):
             raise InputError(f"exactly one of '{one}' and '{other}' is needed ({name}: fixed). "
                              f"{'Keep one of the two.' if one in given else f'Add {one}.'}")
@@ -151,19 +187,15 @@ def _load(path: Path) -> dict:
     except json.JSONDecodeError as error:
         raise InputError(f"not JSON ({path.name}: line {error.lineno}, column {error.colno}: {error.msg}). "
                          "Mend that line.") from None
-    return _object(raw, path.name)
+    return an_object(raw, path.name)
 
-
-def _object(value: Any, where: str) -> dict:
-    if not isinstance(value, dict):
-        raise InputError(f"an object is expected, not {value!r} ({where}). Write {{...}}.")
-    return value
 
 
 def _known_keys(raw: dict, keys: tuple[str, ...], name: str, path: str) -> None:
     for key in raw:
         if key not in keys:
-            hint = f"It is a parameter: put it into {path}fixed." if key in PARAMETERS else nearest(key, keys)
+            is_parameter = any(key in program.parameters for program in PROGRAMS.values())
+            hint = f"It is a parameter: put it into {path}fixed." if is_parameter else nearest(key, keys)
             raise InputError(f"unknown key '{key}' ({name}: {path}{key}). {hint}")
 
 

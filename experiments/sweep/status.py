@@ -25,6 +25,7 @@ class PointStatus:
     why: str = ""
     other_commit: bool = False
     broken: str | None = None
+    took_s: float | None = None  # of its processes, where it has run
 
 
 def status_of(point: Point, store: Store, bench: Bench | None, cores: int) -> PointStatus:
@@ -33,12 +34,13 @@ def status_of(point: Point, store: Store, bench: Bench | None, cores: int) -> Po
     if record is not None:
         commit = record.get("build", {}).get("commit")
         other = bench is not None and bench.commit is not None and commit is not None and commit != bench.commit
+        took_s = record.get("sweep", {}).get("took_s")
         if record["status"] == "failed":
-            return PointStatus(point, FAILED, record.get("reason", ""), other)
+            return PointStatus(point, FAILED, record.get("reason", ""), other, took_s=took_s)
         if record["check"]["passed"]:
-            return PointStatus(point, FINISHED, "", other)
+            return PointStatus(point, FINISHED, "", other, took_s=took_s)
         failed = [str(how.get("what")) for how in record["check"].get("how", []) if not how.get("passed")]
-        return PointStatus(point, CHECK_FAILED, ", ".join(failed), other)
+        return PointStatus(point, CHECK_FAILED, ", ".join(failed), other, took_s=took_s)
     lacking = bench and (bench.lacks(point.params) or (point.start and bench.lacks(point.start.params)))
     if lacking:
         return PointStatus(point, NOT_AVAILABLE, lacking, broken=broken)
@@ -54,11 +56,11 @@ def counts(statuses: list[PointStatus]) -> str:
     return ", ".join(f"{number[state]} {state}" for state in ORDER if number[state]) or "no points"
 
 
-def write_index(store: Store, spec: Spec, statuses: list[PointStatus], cores: int, took_s: dict[str, float]) -> None:
-    """States of all points of the preset last run, for plots and report; `took_s` are times of whole processes."""
+def write_index(store: Store, spec: Spec, statuses: list[PointStatus], cores: int) -> None:
+    """States of all points of the preset last run, for plots and report."""
     store.write_index({
         "spec": spec.name, "preset": spec.preset, "title": spec.title, "about": spec.about,
-        "axes": spec.axes, "elsewhere": spec.elsewhere, "cores": cores, "written_utc": now(), "took_s": took_s,
+        "elsewhere": spec.elsewhere, "cores": cores, "written_utc": now(),
         "points": [{"id": status.point.id, "name": status.point.name, "params": status.point.params,
                     "state": status.state, "why": status.why,
                     "start_state": status.point.start.id if status.point.start else None} for status in statuses]})

@@ -1,8 +1,11 @@
 """The results folder of one spec: records, start states, index and lock."""
+import errno
 import fcntl
+import hashlib
 import json
 import os
 import socket
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import datetime, timezone
@@ -13,16 +16,19 @@ from sweep.errors import SweepError
 
 RECORD_SCHEMA = "trigrain-record-1"
 INDEX_SCHEMA = "trigrain-index-1"
+DAY_S = 86400
+DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 class Store:
     """Where a sweep keeps what it found:
     RESULTS/SPEC/ID.json a record, RESULTS/SPEC/index.json the state of every point, RESULTS/SPEC/frames/ID/ pictures,
-    RESULTS/states/ID.json start states, shared by all specs."""
+    RESULTS/SPEC/sweep.log a line per point that ran, RESULTS/states/ID.json start states, shared by all specs."""
 
     def __init__(self, results: Path, spec_name: str):
         self.folder = results / spec_name
         self.states = results / "states"
+        self.log = self.folder / "sweep.log"
 
     def record_path(self, id: str) -> Path:
         return self.folder / f"{id}.json"
@@ -44,18 +50,15 @@ class Store:
         path.rename(aside)
         return aside
 
-    def write_failure(self, id: str, params: dict[str, Any], failure: dict[str, Any]) -> dict:
+    def write_record(self, id: str, record: dict, took_s: float) -> None:
+        """Keeps a record; `took_s` is how long its processes ran."""
+        write_json(self.record_path(id), sealed(record, took_s))
+
+    def write_failure(self, id: str, params: dict[str, Any], failure: dict[str, Any], took_s: float) -> None:
         """Records a point that did not finish: `failure` says exit code, reason and last output lines."""
         record = {"schema": RECORD_SCHEMA, "point_id": id, "status": "failed", "params": params, **failure}
-        write_json(self.record_path(id), record)
-        return record
+        self.write_record(id, record, took_s)
 
-    def load_index(self) -> dict:
-        try:
-            index = json.loads((self.folder / "index.json").read_text(encoding="utf-8"))
-            return index if index["schema"] == INDEX_SCHEMA else {}
-        except (OSError, ValueError, KeyError, TypeError):
-            return {}
 
     def write_index(self, index: dict[str, Any]) -> None:
         write_json(self.folder / "index.json", {"schema": INDEX_SCHEMA, **index})
@@ -76,10 +79,32 @@ class Store:
             file.truncate(0)
             file.write(f"process {os.getpid()} on {socket.gethostname()} since {now()}\n")
             file.flush()
+            self._remove_leftovers()
             try:
                 yield
             finally:
                 file.truncate(0)
+
+    def _remove_leftovers(self) -> None:
+        """Half written files of sweeps that were killed. Another sweep may be writing a start state just now: only old
+        ones go."""
+        for part in [*self.folder.glob("*.part"), *self.folder.glob(".*.part")]:
+            part.unlink(missing_ok=True)
+        for part in [*self.states.glob("*.part"), *self.states.glob(".*.part")]:
+            if time.time() - part.stat().st_mtime > DAY_S:
+                part.unlink(missing_ok=True)
+
+
+def sealed(record: dict, took_s: float) -> dict:
+    """The record with what the sweep adds: how long its processes ran, and a checksum by which an edit is noticed."""
+    bare = {key: value for key, value in record.items() if key != "sweep"}
+    return {**bare, "sweep": {"took_s": round(took_s, 3), "sha256": checksum(bare)}}
+
+
+def checksum(record: dict) -> str:
+    """SHA-256 of the record without what the sweep added, as compact JSON with sorted keys."""
+    bare = {key: value for key, value in record.items() if key != "sweep"}
+    return hashlib.sha256(json.dumps(bare, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
 
 def load_record(path: Path, id: str) -> tuple[dict | None, str | None]:
@@ -94,6 +119,9 @@ def load_record(path: Path, id: str) -> tuple[dict | None, str | None]:
         return None, f"its schema is not {RECORD_SCHEMA}"
     if record.get("point_id") != id:
         return None, f"its point_id is {record.get('point_id')!r}"
+    added = record.get("sweep")
+    if added is not None and (not isinstance(added, dict) or added.get("sha256") != checksum(record)):
+        return None, "it was changed after it was written: its checksum differs"
     if record.get("status") == "finished":
         check, samples = record.get("check"), record.get("samples")
         if not isinstance(check, dict) or not isinstance(check.get("passed"), bool):
@@ -106,11 +134,18 @@ def load_record(path: Path, id: str) -> tuple[dict | None, str | None]:
 
 
 def write_json(path: Path, value: dict) -> None:
-    """Writes the whole file or nothing."""
+    """Writes the whole file or nothing. OSError if the disk is full."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_suffix(f".{os.getpid()}.part")
-    part.write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8")
-    os.replace(part, path)
+    try:
+        with open(part, "w", encoding="utf-8") as file:
+            file.write(json.dumps(value, indent=1) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
 
 
 def now() -> str:

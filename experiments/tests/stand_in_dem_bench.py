@@ -8,7 +8,8 @@ import signal
 import sys
 import time
 
-BEHAVIOUR = {"fine": 0, "slow": 1, "crash": 2, "refuse": 3, "silent": 4, "check fails": 5, "half record": 6, "grandchild": 7}
+BEHAVIOUR = {"fine": 0, "slow": 1, "crash": 2, "refuse": 3, "silent": 4, "check fails": 5, "half record": 6, "grandchild": 7,
+             "memory": 8, "disk full": 9, "unsteady": 10}
 LISTING = """scenes
   hopper: grains
 kernels
@@ -44,7 +45,7 @@ def main() -> int:
         parser.add_argument(f"--{option}", type=float)
     call = parser.parse_args()
     with open(os.environ["STAND_IN_CALLS"], "a", encoding="utf-8") as calls:
-        calls.write(f"{call.point_id} {'state' if call.final_state else 'point'}\n")
+        calls.write(f"{call.point_id} {'state' if call.final_state else 'point'} {call.check_steps or ''}".rstrip() + "\n")
     return act(call)
 
 
@@ -56,6 +57,11 @@ def act(call: argparse.Namespace) -> int:
     if seed == BEHAVIOUR["grandchild"]:
         os.fork()
         time.sleep(60)
+    if seed == BEHAVIOUR["memory"]:
+        return allocate()
+    if seed == BEHAVIOUR["disk full"]:
+        print(f"stand-in: cannot write '{call.record}' (No space left on device).", file=sys.stderr)
+        return 3
     if seed == BEHAVIOUR["crash"]:
         print("before the end", flush=True)
         os.kill(os.getpid(), signal.SIGSEGV)
@@ -74,11 +80,23 @@ def act(call: argparse.Namespace) -> int:
               "params": {"threads": call.threads, "start_state": call.start_state},
               "build": {"commit": os.environ.get("STAND_IN_COMMIT")}, "check": {"passed": passed, "how": [
                   {"what": "kernel", "passed": passed, "detail": "compared"}]},
-              "samples": [{"wall_s": 1.0, "steps": call.steps or 1}]}
+              "samples": [{"wall_s": 1.0, "steps": call.steps or 1}] * (call.repeats or 1),
+              "state_hash": f"{time.time_ns() if seed == BEHAVIOUR['unsteady'] else 1:016x}", "counters": {
+                  "cycles": {"value": call.repeats, "source": "perf_event", "status": "measured", "reason": None}}}
     if seed == BEHAVIOUR["half record"]:
         del record["check"]
     write(call.record, record)
     return 0 if passed else 1
+
+
+def allocate() -> int:
+    """Ends as a C++ program does that gets no memory."""
+    try:
+        bytearray(4 << 30)
+    except MemoryError:
+        print("stand-in: std::bad_alloc", file=sys.stderr)
+        return 4
+    return 0
 
 
 def write(path: str, value: dict) -> None:

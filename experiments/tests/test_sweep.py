@@ -211,7 +211,7 @@ def test_the_time_limit_ends_a_point_and_all_its_children(bench, behaviour):
     bench.run("run", expect=1)
     assert time.monotonic() - began < 20
     failed, = (record for record in bench.records().values() if record["status"] == "failed")
-    assert "time limit of 800 ms" in failed["reason"] and failed["took_s"] >= 0.8
+    assert "time limit of 800 ms" in failed["reason"] and failed["sweep"]["took_s"] >= 0.8
     assert list(bench.states().values()) == ["failed", "finished"]
     assert not alive(str(bench.folder / "bin"))
 
@@ -344,6 +344,6 @@ def test_without_dem_bench_it_says_how_to_get_one(bench):
 
 def test_a_dem_bench_that_cannot_list_is_told(bench):
     bench.write()
-    for text, message in (("echo nonsense", "names no grids"), ("echo no >&2; exit 4", "exit code 4: no")):
+    for text, message in (("echo nonsense", "names no scene"), ("echo no >&2; exit 4", "exit code 4: no")):
         (bench.folder / "bin/dem_bench").write_text(f"#!/bin/bash\n{text}\n")
         assert message in bench.run("run", expect=4).stderr

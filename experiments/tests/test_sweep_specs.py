@@ -10,7 +10,7 @@ EXPERIMENTS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(EXPERIMENTS))
 from sweep.cli import main  # noqa: E402
 from sweep.errors import InputError  # noqa: E402
-from sweep.parameters import PARAMETERS  # noqa: E402
+from sweep.parameters import DEM_BENCH, PROGRAMS  # noqa: E402
 from sweep.points import expand  # noqa: E402
 from sweep.spec import read_spec  # noqa: E402
 
@@ -40,7 +40,7 @@ WRONG = [
     ({"fixed.end_s": 1.0}, "exactly one of 'steps' and 'end_s' is needed (s.json: fixed)", False),
     ({"fixed": {"steps": 3}}, "exactly one of 'scene' and 'scene_file' is needed (s.json: fixed). Add scene.", False),
     ({"fixed": []}, "an object is expected, not [] (s.json: fixed)", True),
-    ({"time_limit_s": 0}, "a time above 0 s is expected, not 0 (s.json: time_limit_s)", True),
+    ({"time_limit_s": 0}, "a number above 0 s is expected, not 0 (s.json: time_limit_s)", True),
     ({"title": 3}, "a text is expected, not 3 (s.json: title)", True),
     ({"prepare.bye": []}, "unknown key 'bye' (s.json: prepare.bye). Did you mean 'by'?", True),
     ({"prepare.by": ["scena"]}, "unknown parameter 'scena' (s.json: prepare.by[0]). Did you mean 'scene'?", True),
@@ -116,8 +116,9 @@ def test_a_preset_changes_single_keys_of_prepare_or_removes_it(tmp_path):
 
 def test_the_schema_knows_the_parameters_of_the_program():
     known = SCHEMA["$defs"]["parameters"]
-    assert list(known) == list(PARAMETERS) == SCHEMA["$defs"]["parameter_name"]["enum"]
-    for key, parameter in PARAMETERS.items():
+    assert list(known) == list(DEM_BENCH.parameters) == SCHEMA["$defs"]["parameter_name"]["enum"]
+    assert SCHEMA["properties"]["program"]["enum"] == list(PROGRAMS)
+    for key, parameter in DEM_BENCH.parameters.items():
         assert known[key]["type"] == {str: "string", int: "integer", float: "number"}[parameter.kind]
         assert tuple(known[key].get("enum", ())) == parameter.names
         assert known[key].get("minimum", float("-inf")) == parameter.least

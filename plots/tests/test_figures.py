@@ -1,6 +1,8 @@
 """What the figures show, read back from the files they write."""
 import csv
+import hashlib
 import importlib
+import json
 import re
 import statistics
 import subprocess
@@ -91,6 +93,18 @@ def test_a_vanished_record_is_missing_whatever_the_index_says(made_up):
     (made_up.folder / "figure_8_5" / f"{points['grid=regular vertices=10 threads=1']['id']}.json").unlink()
     states = [point.state for point in records.load_sweep(made_up.folder, "figure_8_5").points]
     assert states[:3] == ["missing", "finished", "needs a bigger machine"]
+
+
+def test_a_record_changed_after_it_was_written_is_not_drawn(made_up):
+    points = made_up.sweep("figure_8_5", AXES, FIXED)
+    id = points["grid=regular vertices=20 threads=2"]["id"]
+    bare = made_up.read("figure_8_5", id)
+    text = json.dumps(bare, sort_keys=True, separators=(",", ":"))
+    seal = {"took_s": 1.0, "sha256": hashlib.sha256(text.encode()).hexdigest()}
+    for change, state in (({}, "finished"), ({"warnings": ["none"]}, "missing")):
+        made_up.write("figure_8_5", id, {**bare, **change, "sweep": seal})
+        row, = (row for row in rows(draw("figure_8_5", made_up)) if row["record"] == id)
+        assert row["state"] == state
 
 
 def test_published_curves_keep_their_shape(made_up):
