@@ -106,10 +106,12 @@ void collide_meshes(const Particles& particles, BodyPair pair, const NarrowPhase
   }
   // 3 the kernel
   buffer.hits.clear();
-  narrow.kernel->closest(buffer.near_a.view(), buffer.near_b.view(), reach, buffer.hits, buffer.kernel);
+  closest_of_all(*narrow.kernel, buffer.near_a.view(), buffer.near_b.view(), {.reach = reach}, buffer.hits,
+                 buffer.kernel);
   // 4 contacts in the world
   const Eigen::Matrix3d to_world = particles.orientation[pair.a].toRotationMatrix();
-  for (const Hit& hit : buffer.hits) {
+  for (int k = 0; k < buffer.hits.size(); ++k) {
+    const Hit hit = buffer.hits[k];
     const Vector3d p = eigen(hit.closest.p), q = eigen(hit.closest.q);
     add_contact(pair, buffer.index_a[hit.i], buffer.index_b[hit.j],
                 particles.position[pair.a] + to_world * ((p + q) / 2), to_world * (p - q), buffer);

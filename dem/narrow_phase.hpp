@@ -39,7 +39,7 @@ struct WorkerBuffer {
   Triangles near_a, near_b;
   std::vector<int> index_a, index_b;
   std::vector<Vec3<double>> vertices;
-  std::vector<Hit> hits;
+  Hits hits;
 
   void clear();
 };

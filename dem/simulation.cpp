@@ -65,7 +65,7 @@ struct Simulation::State {
 
   State(Scene s, Options o)
       : scene(std::move(s)), options(std::move(o)), scheme(row_named(schemes(), "scheme", options.scheme)),
-        narrow{&row_named(kernels(), "kernel", options.kernel), &row_named(prechecks(), "pre-check", options.precheck),
+        narrow{&kernel_named(options.kernel), &row_named(prechecks(), "pre-check", options.precheck),
                &row_named(contact_rules(), "contact rule", options.contact_rule)},
         control(row_named(step_controls(), "time.control", scene.time.control)), particles(particles_of(scene)),
         grid(row_named(grid_kinds(), "grid", options.grid), options.subdivision, scene.domain, particles),

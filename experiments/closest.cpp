@@ -25,12 +25,6 @@ struct Pair {
   std::optional<double> distance; ///< m
 };
 
-/// What a value may be computed in; "double" is the only one so far.
-struct Precision {
-  std::string_view name;
-};
-constexpr std::array precisions{Precision{"double"}};
-
 /// Where the columns of a pair file are; -1 if absent.
 struct Columns {
   std::array<int, 18> coordinate;
@@ -114,10 +108,10 @@ Closest solve(const Pair& pair, const Kernel& kernel) {
   Triangles a, b;
   a.push_back(pair.a);
   b.push_back(pair.b);
-  std::vector<Hit> hits;
+  Hits hits;
   KernelCounts counts;
-  kernel.closest(a.view(), b.view(), std::numeric_limits<double>::infinity(), hits, counts);
-  return hits.at(0).closest;
+  closest_of_all(kernel, a.view(), b.view(), {}, hits, counts);
+  return hits[0].closest;
 }
 
 /// S = max(longest edge, largest coordinate), m: the unit of the error.
@@ -139,7 +133,7 @@ void write_answers(const std::vector<Closest>& answers, const fs::path& file) {
   for (std::size_t id = 0; id < answers.size(); ++id) {
     const Closest& c = answers[id];
     text += std::to_string(id);
-    for (const double x : {c.upper, c.lower, c.p.x, c.p.y, c.p.z, c.q.x, c.q.y, c.q.z}) {
+    for (const double x : {c.distance, c.lower, c.p.x, c.p.y, c.p.z, c.q.x, c.q.y, c.q.z}) {
       std::array<char, 32> digits; // to_chars: the shortest decimal that reads back as the same double
       text += ',';
       text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr);
@@ -163,7 +157,7 @@ bool check_answers(const std::vector<Pair>& pairs, const std::vector<Closest>& a
   double worst = 0;
   std::size_t failures = 0, worst_row = 0;
   for (std::size_t id = 0; id < pairs.size(); ++id) {
-    const double s = scale(pairs[id]), error = std::fabs(answers[id].upper - *pairs[id].distance);
+    const double s = scale(pairs[id]), error = std::fabs(answers[id].distance - *pairs[id].distance);
     if (!(error <= tolerance * s)) ++failures;
     const double relative = s > 0 ? error / s : error;
     if (relative > worst) worst = relative, worst_row = id;
@@ -183,7 +177,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Distance and closest points of every triangle pair of a CSV file."};
   app.add_option("pairs", pair_file, "columns a0x,a0y,a0z,...,b2z (m) and, for --check, distance (m)")->required();
   app.add_option("--kernel", kernel_name, names_of(kernels()))->capture_default_str();
-  app.add_option("--precision", precision_name, names_of(precisions))->capture_default_str();
+  app.add_option("--precision", precision_name,
+                 "double, float (search and answer) or mixed (float search, double answer)")
+      ->capture_default_str();
   app.add_option("--out", out_file, "CSV: id,distance,lower,px,py,pz,qx,qy,qz,fell_back")->required();
   app.add_flag("--check", check, "exit 1 where the distance is off by more than tolerance x S");
   app.add_option("--tolerance", tolerance, "in S = max(longest edge, largest coordinate)")->capture_default_str();
@@ -193,8 +189,7 @@ int main(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 3;
   }
   try {
-    const Kernel& kernel = row_named(kernels(), "kernel", kernel_name);
-    row_named(precisions, "precision", precision_name);
+    const Kernel& kernel = kernel_named(kernel_name, precision_name);
     const std::vector<Pair> pairs = read_pairs(pair_file, check);
     std::vector<Closest> answers;
     answers.reserve(pairs.size());

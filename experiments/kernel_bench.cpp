@@ -71,13 +71,13 @@ std::vector<Batch> make_around(Random& random, double gap, double jitter) {
     Triangles ta, tb;
     ta.push_back(a);
     tb.push_back(b);
-    std::vector<Hit> hits;
+    Hits hits;
     KernelCounts counts;
-    row_named(kernels(), "kernel", "brute").closest(ta.view(), tb.view(), unlimited, hits, counts);
-    const Closest& closest = hits[0].closest;
+    closest_of_all(kernel_named("brute"), ta.view(), tb.view(), {}, hits, counts);
+    const Closest closest = hits[0].closest;
     if (gap > 0)
-      b = moved(b, (1 - gap / closest.upper) * (closest.p - closest.q));
-    else if (closest.upper > 0)
+      b = moved(b, (1 - gap / closest.distance) * (closest.p - closest.q));
+    else if (closest.distance > 0)
       continue;
     Batch& batch = batches.emplace_back();
     for (int k = 0; k < 16; ++k) {
@@ -118,13 +118,14 @@ std::vector<Batch> make_granulates(Random& random) {
     for (const Triangle& t : other) far.push_back(moved(t, 3. * away));
     Point shift = 3. * away; // moved along the line of closest points until the gap is right
     for (int step = 0; step < 4; ++step) {
-      std::vector<Hit> hits;
+      Hits hits;
       KernelCounts counts;
-      row_named(kernels(), "kernel", "brute").closest(batch.a.view(), far.view(), unlimited, hits, counts);
-      const auto nearest = std::min_element(
-          hits.begin(), hits.end(), [](const Hit& x, const Hit& y) { return x.closest.upper < y.closest.upper; });
-      const Closest& c = nearest->closest;
-      shift = shift + (1 - 0.01 / c.upper) * (c.p - c.q);
+      closest_of_all(kernel_named("brute"), batch.a.view(), far.view(), {}, hits, counts);
+      int nearest = 0;
+      for (int h = 1; h < hits.size(); ++h)
+        if (hits[h].closest.distance < hits[nearest].closest.distance) nearest = h;
+      const Closest c = hits[nearest].closest;
+      shift = shift + (1 - 0.01 / c.distance) * (c.p - c.q);
       far.clear();
       for (const Triangle& t : other) far.push_back(moved(t, shift));
     }
@@ -142,9 +143,11 @@ constexpr std::array families{
 };
 
 std::vector<Hit> answers(const Kernel& kernel, const Batch& batch, double reach, KernelCounts& counts) {
-  std::vector<Hit> hits;
-  kernel.closest(batch.a.view(), batch.b.view(), reach, hits, counts);
-  return hits;
+  Hits hits;
+  closest_of_all(kernel, batch.a.view(), batch.b.view(), {.reach = reach}, hits, counts);
+  std::vector<Hit> answers;
+  for (int k = 0; k < hits.size(); ++k) answers.push_back(hits[k]);
+  return answers;
 }
 
 /// Pairs whose answer differs from brute force's: contact or not, or distance by more than 1e-13 (coordinates are < 4
@@ -157,7 +160,7 @@ std::int64_t wrong_answers(const std::vector<Hit>& found, const std::vector<Hit>
     for (; f != found.end() && before(*f, t); ++f) ++wrong;
     if (f == found.end() || before(t, *f))
       ++wrong;
-    else if (const Hit& hit = *f++; !(std::fabs(hit.closest.upper - t.closest.upper) <= 1e-13))
+    else if (const Hit& hit = *f++; !(std::fabs(hit.closest.distance - t.closest.distance) <= 1e-13))
       ++wrong;
   }
   return wrong + (found.end() - f);
@@ -166,7 +169,7 @@ std::int64_t wrong_answers(const std::vector<Hit>& found, const std::vector<Hit>
 void run(benchmark::State& state, const Kernel& kernel, const Family& family) {
   Random random(seed);
   const std::vector<Batch> batches = family.make(random);
-  const Kernel& reference = row_named(kernels(), "kernel", "brute");
+  const Kernel& reference = kernel_named("brute");
   KernelCounts checked, ignored;
   std::int64_t wrong = 0, contacts = 0;
   for (const Batch& batch : batches) {
@@ -175,20 +178,20 @@ void run(benchmark::State& state, const Kernel& kernel, const Family& family) {
     wrong += wrong_answers(answers(kernel, batch, family.reach, checked), truth);
   }
   const double pairs = static_cast<double>(checked.triangle_pairs);
-  const bool may_be_inexact = kernel.name == "iterative";
+  const bool may_be_inexact = !kernel.exact;
   if (wrong > 0 && !may_be_inexact) {
     const std::string message = std::to_string(wrong) + " answers differ from brute force";
     state.SkipWithError(message.c_str());
     return;
   }
 
-  std::vector<Hit> hits;
+  Hits hits;
   KernelCounts counts;
   for (auto _ : state)
     for (const Batch& batch : batches) {
       hits.clear();
-      kernel.closest(batch.a.view(), batch.b.view(), family.reach, hits, counts);
-      benchmark::DoNotOptimize(hits.data());
+      closest_of_all(kernel, batch.a.view(), batch.b.view(), {.reach = family.reach}, hits, counts);
+      benchmark::DoNotOptimize(hits.next_i());
     }
   using benchmark::Counter;
   state.SetItemsProcessed(counts.triangle_pairs);

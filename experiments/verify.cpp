@@ -67,20 +67,21 @@ TriangleBlock make_block(const Particles& p, BodyPair pair, std::mt19937_64& ran
   return block;
 }
 
-std::vector<Hit> answers(const Kernel& kernel, const TriangleBlock& block, double reach) {
-  std::vector<Hit> hits;
+Hits answers(const Kernel& kernel, const TriangleBlock& block, double reach) {
+  Hits hits;
   KernelCounts counts;
-  kernel.closest(block.a.view(), block.b.view(), reach, hits, counts);
+  closest_of_all(kernel, block.a.view(), block.b.view(), {.reach = reach}, hits, counts);
   return hits;
 }
 
 /// Moves b along the shortest connection until `gap` (m) is left of it; blocks that touch already stay as they are.
 void bring_near(TriangleBlock& block, double gap) {
-  const auto hits = answers(row_named(kernels(), "kernel", "brute"), block, std::numeric_limits<double>::infinity());
-  const auto nearest = std::min_element(hits.begin(), hits.end(),
-                                        [](const Hit& l, const Hit& r) { return l.closest.upper < r.closest.upper; });
-  if (nearest == hits.end() || nearest->closest.upper <= gap) return;
-  const Vector3d connection = eigen(nearest->closest.p) - eigen(nearest->closest.q);
+  const Hits hits = answers(kernel_named("brute"), block, std::numeric_limits<double>::infinity());
+  int nearest = 0;
+  for (int k = 1; k < hits.size(); ++k)
+    if (hits[k].closest.distance < hits[nearest].closest.distance) nearest = k;
+  if (hits.empty() || hits[nearest].closest.distance <= gap) return;
+  const Vector3d connection = eigen(hits[nearest].closest.p) - eigen(hits[nearest].closest.q);
   const Vector3d shift = connection * (1 - gap / connection.norm());
   Triangles moved;
   for (int j = 0; j < block.b.size(); ++j)
@@ -181,20 +182,20 @@ CheckItem check_kernel(const Kernel& kernel, const Kernel& reference, std::span<
   std::int64_t pairs = 0, contacts = 0, unlike = 0, missing = 0;
   for (const TriangleBlock& block : blocks) {
     const auto found = answers(kernel, block, everything), expected = answers(reference, block, everything);
-    missing += std::abs(std::ssize(expected) - std::ssize(found));
+    missing += std::abs(expected.size() - found.size());
     const auto found_near = answers(kernel, block, block.reach), expected_near = answers(reference, block, block.reach);
     std::set<std::pair<int, int>> near, near_expected;
-    for (const Hit& hit : found_near) near.insert({hit.i, hit.j});
-    for (const Hit& hit : expected_near) near_expected.insert({hit.i, hit.j});
-    for (std::size_t k = 0; k < std::min(found.size(), expected.size()); ++k) {
+    for (int k = 0; k < found_near.size(); ++k) near.insert({found_near[k].i, found_near[k].j});
+    for (int k = 0; k < expected_near.size(); ++k) near_expected.insert({expected_near[k].i, expected_near[k].j});
+    for (int k = 0; k < std::min(found.size(), expected.size()); ++k) {
       const auto& [i, j, closest] = found[k];
       if (i != expected[k].i || j != expected[k].j) {
         ++missing;
         continue;
       }
-      const double size = size_of(block.a.view()[i], block.b.view()[j]), distance = expected[k].closest.upper;
-      const double error = std::max(std::abs(closest.upper - distance),
-                                    std::abs((eigen(closest.p) - eigen(closest.q)).norm() - closest.upper));
+      const double size = size_of(block.a.view()[i], block.b.view()[j]), distance = expected[k].closest.distance;
+      const double error = std::max(std::abs(closest.distance - distance),
+                                    std::abs((eigen(closest.p) - eigen(closest.q)).norm() - closest.distance));
       worst = std::isfinite(error) ? std::max(worst, error / size) : everything;
       const bool borderline = std::abs(distance - block.reach) <= tolerance * size;
       unlike += !borderline && near.contains({i, j}) != near_expected.contains({i, j});
@@ -243,9 +244,8 @@ Check verify(const Scene& scene, const Options& options, std::int64_t steps) {
   const double bodies = simulation.particles().size();
   if (bodies * bodies * static_cast<double>(steps) <= 1e8) // seconds; larger scenes rely on the engine's own tests
     check.how.push_back(check_grid(options, hash_after));
-  check.how.push_back(check_kernel(row_named(kernels(), "kernel", options.kernel),
-                                   row_named(kernels(), "kernel", "brute"),
-                                   sample_triangle_pairs(simulation, 2048, 1)));
+  check.how.push_back(
+      check_kernel(kernel_named(options.kernel), kernel_named("brute"), sample_triangle_pairs(simulation, 2048, 1)));
   if (stats.contacts == 0)
     check.warnings.push_back("no contact in the " + std::to_string(steps) + " steps that were checked");
   return check;

@@ -7,7 +7,7 @@ namespace trigrain {
 /// round-off h = epsilon / 2: the six corners carry h each per coordinate, a dot product with a unit vector 3 sqrt(3)
 /// h, the difference of two of them and its division by |u| 8 h more: together below 22 h = 11 epsilon; 12 leaves a
 /// margin.
-inline constexpr double certificate_rounding = 12 * epsilon;
+template <class T> inline constexpr double certificate_rounding = 12 * epsilon_of<T>;
 
 /// Gap of the triangles along u (any length > 0), in m: min over A of u.a - max over B of u.b, divided by |u|. For
 /// every u it is a lower bound of the distance, up to certificate_rounding; 0 for u = 0. Krestenitis (2018); the bound
@@ -20,7 +20,7 @@ template <class T> [[gnu::always_inline]] inline T gap_along(const Vec3<T>& u, c
 
 /// gap_along() with all rounding taken off and 0 at least: a proven lower bound of the distance (m).
 template <class T> [[gnu::always_inline]] inline T proven_gap(const T& gap, const T& extent) {
-  return max(gap - T(certificate_rounding) * extent, T(0));
+  return max(gap - constant<T>(certificate_rounding<T>) * extent, T(0));
 }
 
 } // namespace trigrain

@@ -7,6 +7,6 @@ namespace trigrain {
 /// gap beyond `reach`; the answer where its bounds agree; brute force otherwise (fell_back). As exact as brute force,
 /// and the same contacts for every reach. Krestenitis (2018), hybrid with one triangle pair as the unit of falling
 /// back.
-void hybrid_pair(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts);
+template <class T> void hybrid_pair(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts);
 
 } // namespace trigrain

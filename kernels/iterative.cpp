@@ -1,29 +1,35 @@
-// Penalty Newton with a fixed number of steps over lanes: all pairs of one triangle of A with a pack of B at a time.
+// Penalty Newton with a fixed number of steps, over lanes.
 #include "kernels/iterative.hpp"
 #include "kernels/certificate.hpp"
 #include "kernels/newton.hpp"
 #include "kernels/pack.hpp"
 
 namespace trigrain {
+namespace {
 
-[[gnu::flatten]] void iterative(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits,
-                                KernelCounts& counts) {
-  for (int i = 0; i < a.size; ++i) {
-    const Corners<Lanes> ta = broadcast(a[i]);
-    for (int first = 0; first < b.size; first += lane_count) {
-      const TrianglePair<Lanes> pair = local_pair(ta, load_corners(b, first));
-      const PointPair<Lanes> points = points_at(pair, clamped(newton(pair)));
-      const Vec3<Lanes> u = points.p - points.q;
-      const Lanes upper = sqrt(squared(u));
-      const Lanes lower = min(proven_gap(gap_along(u, pair), pair.extent), upper);
-      if (none_of(upper <= Lanes(reach))) continue;
-      for (int lane = 0; lane < std::min(lane_count, b.size - first); ++lane)
-        if (upper[lane] <= reach) hits.push_back({i, first + lane, answer_of(lane, pair, points, upper, lower)});
-    }
-  }
-  const std::int64_t pairs = static_cast<std::int64_t>(a.size) * b.size;
-  counts.triangle_pairs += pairs;
-  counts.newton_steps += pairs * Penalty::steps;
+template <class T> [[gnu::noinline, gnu::flatten]] void solve(const PairPack<T>& pack, const Query& query, Hits& hits) {
+  const TrianglePair<T>& pair = pack.pair();
+  const Weights<T> z = clamped(newton(pair, query));
+  const PointPair<T> points = points_at(pair, z);
+  const Vec3<T> u = points.p - points.q;
+  const T distance = sqrt(squared(u));
+  const unsigned within = bits_of(distance <= constant<T>(query.reach)) & pack.used();
+  if (within == 0) return;
+  const T lower = min(proven_gap(gap_along(u, pair), pair.extent), distance);
+  const T upper = distance + constant<T>(certificate_rounding<T>) * pair.extent;
+  pack.append({points.p, points.q, distance, lower, upper, feature_of(z)}, within, hits);
 }
+
+} // namespace
+
+template <class T> void iterative(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {
+  for_each_pack<T>(list, [&](const PairPack<T>& pack) { solve(pack, query, hits); });
+  counts.triangle_pairs += list.size();
+  counts.newton_steps += static_cast<std::int64_t>(query.steps) * list.size();
+}
+
+template void iterative<double>(const PairList&, const Query&, Hits&, KernelCounts&);
+template void iterative<Pack<double, 4>>(const PairList&, const Query&, Hits&, KernelCounts&);
+template void iterative<Pack<double, 8>>(const PairList&, const Query&, Hits&, KernelCounts&);
 
 } // namespace trigrain

@@ -2,25 +2,93 @@
 #include "kernels/brute.hpp"
 #include "kernels/hybrid.hpp"
 #include "kernels/iterative.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/name_table.hpp"
+#include <algorithm>
 #include <array>
 
 namespace trigrain {
 
+namespace {
+
+constexpr double lambda2 = 0.0125; // Krestenitis (2018), in tr H
+
+constexpr std::array schedule_table{
+    PenaltySchedule{"constant", "penalty 1e6 lambda^2, damping 1e-2 tr H in every step", 1e6 * lambda2, 1e-2, 1},
+    PenaltySchedule{"stiff", "penalty 1e8 lambda^2, damping 1e-16 tr H: plain Newton on the active set", 1e8 * lambda2,
+                    1e-16, 1},
+    PenaltySchedule{"growing", "damping that grows 1e4 from step to step, as the published code does", 1e6 * lambda2,
+                    1e-8, 1e4},
+};
+
 // Flops: + - * / and square roots of one separated pair whose distance is wanted, counted by running the text with a
 // counting number; minima, selects and comparisons are not in it. For brute force the mean over random pairs.
 // Bytes: two triangles of nine doubles in, one Hit out.
-constexpr double bytes_per_pair = 2 * 9 * sizeof(double) + sizeof(Hit);
+constexpr double bytes_per_pair = 2 * 9 * sizeof(double) + Hits::columns * sizeof(double) + 3 * sizeof(int);
+
+template <class T> constexpr std::string_view precision_of = sizeof(ScalarOf<T>) == sizeof(double) ? "double" : "float";
+
+template <class T> constexpr Kernel iterative_row() {
+  return {"iterative", precision_of<T>,
+          lanes_of<T>, "Newton steps of the penalty method; Krestenitis, Weinzierl, Koziara (2017)",
+          false,       iterative<T>,
+          730,         bytes_per_pair};
+}
+
+template <class T> constexpr Kernel hybrid_row() {
+  return {"hybrid-pair", precision_of<T>,
+          lanes_of<T>,   "Newton, proven per pair by a separating plane or redone by brute force; Krestenitis (2018)",
+          true,          hybrid_pair<T>,
+          1590,          bytes_per_pair};
+}
 
 constexpr std::array table{
-    Kernel{"brute",
-           "15 features with branches, crossing decided exactly; Krestenitis (2018), Ericson (2005) 5.1.5, 5.1.9",
+    Kernel{"brute", "double", 1,
+           "15 features with branches, crossing decided exactly; Krestenitis (2018), Ericson (2005) 5.1.5, 5.1.9", true,
            brute, 1400, bytes_per_pair},
-    Kernel{"iterative", "four Newton steps of the penalty method; Krestenitis, Weinzierl, Koziara (2017)", iterative,
-           730, bytes_per_pair},
-    Kernel{"hybrid-pair", "Newton, proven per pair by a separating plane or redone by brute force; Krestenitis (2018)",
-           hybrid_pair, 1590, bytes_per_pair},
+    iterative_row<double>(),
+    iterative_row<Pack<double, 4>>(),
+    iterative_row<Pack<double, 8>>(),
+    hybrid_row<double>(),
+    hybrid_row<Pack<double, 4>>(),
+    hybrid_row<Pack<double, 8>>(),
 };
 
+/// As many lanes as fill a register.
+int native_lanes(std::string_view precision) { return precision == "float" ? float_lane_count : lane_count; }
+
+} // namespace
+
+std::span<const PenaltySchedule> penalty_schedules() { return schedule_table; }
 std::span<const Kernel> kernels() { return table; }
+
+void closest_of_all(const Kernel& kernel, TrianglesView a, TrianglesView b, const Query& query, Hits& hits,
+                    KernelCounts& counts) {
+  std::array<PairIndex, 512> list; // a multiple of every batch and pack
+  std::size_t n = 0;
+  const auto solve = [&] {
+    kernel.closest({a, b, std::span(list).first(n)}, query, hits, counts);
+    n = 0;
+  };
+  for (int i = 0; i < a.size; ++i)
+    for (int j = 0; j < b.size; ++j) {
+      list[n++] = {i, j};
+      if (n == list.size()) solve();
+    }
+  if (n > 0) solve();
+}
+
+const Kernel& kernel_named(std::string_view name, std::string_view precision, int lanes) {
+  row_named(table, "kernel", name);
+  std::string known;
+  for (const Kernel& row : table) {
+    if (row.name != name) continue;
+    const int wanted = lanes > 0 ? lanes : row.name == "brute" ? 1 : native_lanes(precision);
+    if (row.precision == precision && row.lanes == wanted) return row;
+    known += (known.empty() ? "" : ", ") + std::string(row.precision) + " with " + std::to_string(row.lanes) + " lanes";
+  }
+  throw InputError("kernel '" + std::string(name) + "' does not come in precision '" + std::string(precision) + "'" +
+                   (lanes == 0 ? "" : " with " + std::to_string(lanes) + " lanes") + ". Known: " + known + ".");
+}
 
 } // namespace trigrain

@@ -1,36 +1,108 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <type_traits>
+// GCC 12 warns about its own AVX-512 headers.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include <experimental/simd>
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+#pragma GCC diagnostic pop
 
 namespace trigrain {
 
-/// The pack of doubles that the vectorised kernels compute with. The instruction set is chosen here and nowhere else:
-/// it is what -march allows (AVX2: 4 lanes, AVX-512: 8 lanes).
-using Lanes = std::experimental::native_simd<double>;
-using LaneMask = Lanes::mask_type;
-inline constexpr int lane_count = static_cast<int>(Lanes::size());
+namespace stdx = std::experimental;
 
-// The verbs that a kernel text needs beside + - * / and comparisons, for one double and for a pack. `&` joins masks.
+/// N numbers that are computed with at once; one is a plain number, so that one text serves any width. The instruction
+/// set is chosen here and nowhere else: it is what -march allows.
+template <class Scalar, int N> struct PackOf { using type = stdx::simd<Scalar, stdx::simd_abi::deduce_t<Scalar, N>>; };
+template <class Scalar> struct PackOf<Scalar, 1> { using type = Scalar; };
+template <class Scalar, int N> using Pack = typename PackOf<Scalar, N>::type;
+
+/// The widest packs of this build (AVX2: 4 doubles, 8 floats; AVX-512: 8 and 16).
+using Lanes = stdx::native_simd<double>;
+using FloatLanes = stdx::native_simd<float>;
+inline constexpr int lane_count = static_cast<int>(Lanes::size());
+inline constexpr int float_lane_count = static_cast<int>(FloatLanes::size());
+
+template <class T> struct PackTraits {
+  using Scalar = typename T::value_type;
+  using Mask = typename T::mask_type;
+  static constexpr int lanes = static_cast<int>(T::size());
+};
+template <> struct PackTraits<double> {
+  using Scalar = double;
+  using Mask = bool;
+  static constexpr int lanes = 1;
+};
+template <> struct PackTraits<float> {
+  using Scalar = float;
+  using Mask = bool;
+  static constexpr int lanes = 1;
+};
+template <class T> using ScalarOf = typename PackTraits<T>::Scalar;
+template <class T> using MaskOf = typename PackTraits<T>::Mask;
+template <class T> inline constexpr int lanes_of = PackTraits<T>::lanes;
+template <class T> inline constexpr bool is_pack = lanes_of<T> > 1;
+
+/// Spacing of the numbers at 1 in T's precision: 2^-52 or 2^-23.
+template <class T> inline constexpr double epsilon_of = std::numeric_limits<ScalarOf<T>>::epsilon();
+
+/// A constant in all lanes, rounded to T's precision.
+template <class T> [[gnu::always_inline]] inline T constant(double x) { return T(static_cast<ScalarOf<T>>(x)); }
+
+// The verbs that a kernel text needs beside + - * / and comparisons, for one number and for a pack. `&` joins masks.
 // A call among them would spill every register of the caller, hence always_inline.
 [[gnu::always_inline]] inline double select(bool m, double yes, double no) { return m ? yes : no; }
 [[gnu::always_inline]] inline double min(double a, double b) { return std::min(a, b); }
 [[gnu::always_inline]] inline double max(double a, double b) { return std::max(a, b); }
 [[gnu::always_inline]] inline double abs(double a) { return std::fabs(a); }
 [[gnu::always_inline]] inline double sqrt(double a) { return std::sqrt(a); }
+[[gnu::always_inline]] inline float select(bool m, float yes, float no) { return m ? yes : no; }
+[[gnu::always_inline]] inline float min(float a, float b) { return std::min(a, b); }
+[[gnu::always_inline]] inline float max(float a, float b) { return std::max(a, b); }
+[[gnu::always_inline]] inline float abs(float a) { return std::fabs(a); }
+[[gnu::always_inline]] inline float sqrt(float a) { return std::sqrt(a); }
+[[gnu::always_inline]] inline bool any_of(bool m) { return m; }
+[[gnu::always_inline]] inline bool all_of(bool m) { return m; }
+[[gnu::always_inline]] inline bool none_of(bool m) { return !m; }
 
-[[gnu::always_inline]] inline Lanes select(const LaneMask& m, const Lanes& yes, const Lanes& no) {
-  Lanes r = no;
+template <class S, class A> [[gnu::always_inline]] inline stdx::simd<S, A>
+select(const stdx::simd_mask<S, A>& m, const stdx::simd<S, A>& yes, const stdx::simd<S, A>& no) {
+  stdx::simd<S, A> r = no;
   where(m, r) = yes;
   return r;
 }
-[[gnu::always_inline]] inline Lanes min(const Lanes& a, const Lanes& b) { return std::experimental::min(a, b); }
-[[gnu::always_inline]] inline Lanes max(const Lanes& a, const Lanes& b) { return std::experimental::max(a, b); }
-[[gnu::always_inline]] inline Lanes abs(const Lanes& a) { return std::experimental::abs(a); }
-[[gnu::always_inline]] inline Lanes sqrt(const Lanes& a) { return std::experimental::sqrt(a); }
 
-/// The lanes of a pack from memory, any alignment.
-inline Lanes load(const double* from) { return Lanes(from, std::experimental::element_aligned); }
+/// The lanes of a pack from memory, any alignment; doubles are rounded to float where T is one.
+template <class T, class From> [[gnu::always_inline]] inline T load(const From* from) {
+  if constexpr (!is_pack<T>)
+    return static_cast<T>(*from);
+  else
+    return T(from, stdx::element_aligned);
+}
+template <class T, class To> [[gnu::always_inline]] inline void store(const T& x, To* to) {
+  if constexpr (!is_pack<T>)
+    *to = static_cast<To>(x);
+  else
+    x.copy_to(to, stdx::element_aligned);
+}
+template <class T> [[gnu::always_inline]] inline ScalarOf<T> lane_of(const T& x, int lane) {
+  if constexpr (!is_pack<T>)
+    return x;
+  else
+    return x[lane];
+}
+template <class Mask> [[gnu::always_inline]] inline bool lane_set(const Mask& m, int lane) {
+  if constexpr (std::is_same_v<Mask, bool>)
+    return m;
+  else
+    return m[lane];
+}
 
 /// x into [0, 1].
 template <class T> [[gnu::always_inline]] inline T clamp01(const T& x) { return min(max(x, T(0)), T(1)); }
@@ -39,6 +111,22 @@ template <class T> [[gnu::always_inline]] inline T clamp01(const T& x) { return 
 template <class T> [[gnu::always_inline]] inline T inverse_or_zero(const T& x) {
   const auto positive = x > T(0);
   return select(positive, T(1) / select(positive, x, T(1)), T(0));
+}
+
+/// The lanes of m as bits.
+template <class Mask> [[gnu::always_inline]] inline unsigned bits_of(const Mask& m) {
+  if constexpr (std::is_arithmetic_v<Mask>) // bool, or int where two of them were joined
+    return m;
+  else {
+    unsigned bits = 0;
+#ifdef __AVX512F__
+    if constexpr (Mask::size() >= 8 && sizeof(m) <= 2)
+      bits = static_cast<unsigned>(m.__to_bitset().to_ulong());
+    else
+#endif
+      for (int lane = 0; lane < static_cast<int>(Mask::size()); ++lane) bits |= static_cast<unsigned>(m[lane]) << lane;
+    return bits;
+  }
 }
 
 } // namespace trigrain

@@ -11,10 +11,14 @@ struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The names of a table of variants as one list: "a, b, c".
+/// The names of a table of variants as one list: "a, b, c". Rows of one name stand together and are named once.
 template <class Table> std::string names_of(const Table& table) {
   std::string list;
-  for (const auto& row : table) list += (list.empty() ? "" : ", ") + std::string(row.name);
+  std::string_view last;
+  for (const auto& row : table) {
+    if (row.name != last) list += (list.empty() ? "" : ", ") + std::string(row.name);
+    last = row.name;
+  }
   return list;
 }
 

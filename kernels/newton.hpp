@@ -1,22 +1,8 @@
 #pragma once
-#include "kernels/triangle_pair.hpp"
+#include "kernels/kernels.hpp"
+#include "kernels/weights.hpp"
 
 namespace trigrain {
-
-/// Constants of the penalty method, in units of the trace of H = 2 W^T W so that they hold at every scale. Penalty
-/// 1e6 lambda^2 with lambda^2 = 0.0125 tr H (Krestenitis 2018); damping 1e-2 tr H, the same in every step: growing it
-/// freezes the iterate. Measured with these four steps on 2e5 random pairs with corners uniform in cubes of edge 2 m:
-/// too long by more than 1e-3 of the longest edge are 17 % of the pairs that do not cross if the cubes coincide, 5 % if
-/// they are 3 m apart; the worst by 0.7 edges; the certificate flagged every one of them.
-struct Penalty {
-  static constexpr double weight = 1e6 * 0.0125;
-  static constexpr double damping = 1e-2;
-  static constexpr double start = 0.33;
-  static constexpr int steps = 4;
-};
-
-/// Weights of two points: x = a0 + z[0] (a1 - a0) + z[1] (a2 - a0) and y = b0 + z[2] (b1 - b0) + z[3] (b2 - b0).
-template <class T> using Weights = std::array<T, 4>;
 
 /// Symmetric 4x4 matrix; only [row][column] with row >= column is used.
 template <class T> using Symmetric4 = std::array<std::array<T, 4>, 4>;
@@ -45,8 +31,9 @@ template <class T> Weights<T> solve(Symmetric4<T> m, Weights<T> g) {
 }
 
 /// Adds the penalty of one triangle's three constraints, z0 >= 0, z1 >= 0, z0 + z1 <= 1, to Hessian and gradient.
-template <class T> void add_penalty(Symmetric4<T>& hessian, Weights<T>& gradient, const Weights<T>& z, int k) {
-  const T zero(0), twice(2 * Penalty::weight);
+template <class T>
+void add_penalty(Symmetric4<T>& hessian, Weights<T>& gradient, const Weights<T>& z, int k, const T& twice) {
+  const T zero(0);
   const T low0 = min(z[k], zero), low1 = min(z[k + 1], zero), over = max(z[k] + z[k + 1] - T(1), zero);
   const T on_over = select(over > zero, twice, zero);
   hessian[k][k] += select(low0 < zero, twice, zero) + on_over;
@@ -56,9 +43,12 @@ template <class T> void add_penalty(Symmetric4<T>& hessian, Weights<T>& gradient
   gradient[k + 1] += twice * (low1 + over);
 }
 
-/// Weights after Penalty::steps Newton steps for the closest points of a pair; near the triangles, not in them.
+/// Weights after query.steps Newton steps for the closest points of a pair; near the triangles, not in them.
 /// Krestenitis (2018), Krestenitis, Weinzierl, Koziara (2017): minimise |x - y|^2 plus a penalty on z outside.
-template <class T> [[gnu::flatten]] Weights<T> newton(const TrianglePair<T>& pair) {
+template <class T> [[gnu::flatten]] Weights<T> newton(const TrianglePair<T>& pair, const Query& query) {
+  constexpr double start_weight = 0.33; // the middles
+  const T twice = constant<T>(2 * query.schedule->weight);
+  double damping = query.schedule->damping;
   const std::array<Vec3<T>, 4> w{pair.a[1] - pair.a[0], pair.a[2] - pair.a[0], pair.b[0] - pair.b[1],
                                  pair.b[0] - pair.b[2]};
   const T half_trace = squared(w[0]) + squared(w[1]) + squared(w[2]) + squared(w[3]);
@@ -73,18 +63,18 @@ template <class T> [[gnu::flatten]] Weights<T> newton(const TrianglePair<T>& pai
     offset[i] = dot(w[i], start) * unit;
   }
   Weights<T> z;
-  z.fill(T(Penalty::start));
-  for (int step = 0; step < Penalty::steps; ++step) {
+  z.fill(constant<T>(start_weight));
+  for (int step = 0; step < query.steps; ++step, damping *= query.schedule->growth) {
     Symmetric4<T> hessian = h;
     Weights<T> gradient = offset;
 #pragma GCC unroll 4
     for (int i = 0; i < 4; ++i) {
 #pragma GCC unroll 4
       for (int j = 0; j < 4; ++j) gradient[i] += h[std::max(i, j)][std::min(i, j)] * z[j];
-      hessian[i][i] += T(Penalty::damping);
+      hessian[i][i] += constant<T>(damping);
     }
-    add_penalty(hessian, gradient, z, 0);
-    add_penalty(hessian, gradient, z, 2);
+    add_penalty(hessian, gradient, z, 0, twice);
+    add_penalty(hessian, gradient, z, 2, twice);
     const Weights<T> dz = solve(hessian, gradient);
 #pragma GCC unroll 4
     for (int i = 0; i < 4; ++i) z[i] -= dz[i];
@@ -102,12 +92,6 @@ template <class T> Weights<T> clamped(const Weights<T>& z) {
     r[k + 1] = w * shrink;
   }
   return r;
-}
-
-/// The points (m, the pair's frame) that weights stand for.
-template <class T> PointPair<T> points_at(const TrianglePair<T>& pair, const Weights<T>& z) {
-  return {pair.a[0] + z[0] * (pair.a[1] - pair.a[0]) + z[1] * (pair.a[2] - pair.a[0]),
-          pair.b[0] + z[2] * (pair.b[1] - pair.b[0]) + z[3] * (pair.b[2] - pair.b[0])};
 }
 
 } // namespace trigrain

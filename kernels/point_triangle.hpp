@@ -36,57 +36,66 @@ project_twice(const Vec3<T>& r, const Vec3<T>& e, const Vec3<T>& f, const Vec3<T
   return {first.v + rest.v, first.w + rest.w};
 }
 
-/// Point of segment ab closest to `point` (m).
+/// Share s in [0, 1] of the point of segment a, a + u closest to `point`.
 template <class T>
-[[gnu::always_inline]] inline Vec3<T> closest_on_segment(const Vec3<T>& point, const Vec3<T>& a, const Vec3<T>& b) {
-  const Vec3<T> u = b - a;
-  return a + clamp01(dot(point - a, u) * inverse_or_zero(squared(u))) * u;
+[[gnu::always_inline]] inline T share_on_segment(const Vec3<T>& point, const Vec3<T>& a, const Vec3<T>& u) {
+  return clamp01(dot(point - a, u) * inverse_or_zero(squared(u)));
 }
 
-/// Point of triangle t closest to `point` (m), for one point or a pack of lanes, without branches: the best of the
-/// three edges, and of the projection where that lies inside. Zero-area triangles are their edges.
-template <class T> [[gnu::flatten]] Vec3<T> closest_on_triangle(const Vec3<T>& point, const Corners<T>& t) {
-  const Vec3<T> e = t[1] - t[0], f = t[2] - t[0], n = cross(e, f);
+/// Weights of the point of triangle t closest to `point` (m), for one point or a pack of lanes, without branches: the
+/// best of the three edges, and of the projection where that lies inside. Zero-area triangles are their edges.
+template <class T>
+[[gnu::always_inline]] inline Barycentric<T> closest_on_triangle(const Vec3<T>& point, const Corners<T>& t) {
+  const Vec3<T> e = t[1] - t[0], f = t[2] - t[0], g = t[2] - t[1], n = cross(e, f), r = point - t[0];
   const T nn = squared(n);
-  const Barycentric<T> z = project_twice(point - t[0], e, f, n, inverse_or_zero(nn));
-  const auto inside =
-      (nn > T(cross_noise) * squared(e) * squared(f)) & (z.v >= T(0)) & (z.w >= T(0)) & (z.v + z.w <= T(1));
-  Vec3<T> best = t[0] + z.v * e + z.w * f;
-  T best_d2 = select(inside, squared(point - best), T(std::numeric_limits<double>::max()));
-  for (int k = 0; k < 3; ++k) {
-    const Vec3<T> q = closest_on_segment(point, t[k], t[(k + 1) % 3]);
-    const T d2 = squared(point - q);
+  Barycentric<T> best = project_twice(r, e, f, n, inverse_or_zero(nn));
+  const auto inside = (nn > constant<T>(cross_noise<T>) * squared(e) * squared(f)) & (best.v >= T(0)) &
+                      (best.w >= T(0)) & (best.v + best.w <= T(1));
+  T best_d2 = select(inside, squared(r - (best.v * e + best.w * f)), T(std::numeric_limits<ScalarOf<T>>::max()));
+  const auto keep_nearer = [&](const Vec3<T>& from_point, const Barycentric<T>& z) {
+    const T d2 = squared(from_point);
     const auto nearer = d2 < best_d2;
-    best = {select(nearer, q.x, best.x), select(nearer, q.y, best.y), select(nearer, q.z, best.z)};
+    best = {select(nearer, z.v, best.v), select(nearer, z.w, best.w)};
     best_d2 = min(best_d2, d2);
-  }
+  };
+  const T on_e = share_on_segment(point, t[0], e), on_f = share_on_segment(point, t[0], f),
+          on_g = share_on_segment(point, t[1], g);
+  keep_nearer(r - on_e * e, {on_e, T(0)});
+  keep_nearer(r - on_f * f, {T(0), on_f});
+  keep_nearer(point - t[1] - on_g * g, {T(1) - on_g, on_g});
   return best;
 }
 
+/// Point of a triangle and what it lies on: bits 1, 2, 4 for the corners of its zone.
+struct ZonePoint {
+  Vec3<double> point;
+  int corners;
+};
+
 /// The same for one point, zone by zone with early returns: Ericson (2005) 5.1.5 with his areas taken from the normal,
 /// so that slivers keep their zones.
-inline Vec3<double> closest_on_triangle_by_zones(const Vec3<double>& point, const Corners<double>& t) {
+inline ZonePoint closest_on_triangle_by_zones(const Vec3<double>& point, const Corners<double>& t) {
   const Vec3<double>&a = t[0], &b = t[1], &c = t[2];
   const Vec3<double> e = b - a, f = c - a, g = c - b, n = cross(e, f);
   const Vec3<double> ra = point - a, rb = point - b, rc = point - c;
   const double ae = dot(ra, e), af = dot(ra, f), be = dot(rb, e), bf = dot(rb, f), ce = dot(rc, e), cf = dot(rc, f);
-  if (ae <= 0 && af <= 0) return a;  // A
-  if (be >= 0 && bf <= be) return b; // B
-  if (cf >= 0 && ce <= cf) return c; // C
+  if (ae <= 0 && af <= 0) return {a, 1};  // A
+  if (be >= 0 && bf <= be) return {b, 2}; // B
+  if (cf >= 0 && ce <= cf) return {c, 4}; // C
   const double nn = squared(n);
-  const bool flat = nn <= cross_noise * squared(e) * squared(f);
-  if (flat) { // zero area: the best edge
-    Vec3<double> best = closest_on_segment(point, a, b);
-    for (const Vec3<double>& q : {closest_on_segment(point, b, c), closest_on_segment(point, a, c)})
-      if (squared(point - q) < squared(point - best)) best = q;
+  if (nn <= cross_noise<double> * squared(e) * squared(f)) { // zero area: the best edge
+    ZonePoint best{a + share_on_segment(point, a, e) * e, 3};
+    for (const ZonePoint& z :
+         {ZonePoint{b + share_on_segment(point, b, g) * g, 6}, {a + share_on_segment(point, a, f) * f, 5}})
+      if (squared(point - z.point) < squared(point - best.point)) best = z;
     return best;
   }
-  if (dot(cross(ra, rb), n) <= 0 && ae >= 0 && be <= 0) return a + (ae / squared(e)) * e;                  // AB
-  if (dot(cross(rc, ra), n) <= 0 && af >= 0 && cf <= 0) return a + (af / squared(f)) * f;                  // AC
-  if (dot(cross(rb, rc), n) <= 0 && bf >= be && ce >= cf) return b + clamp01(dot(rb, g) / squared(g)) * g; // BC
-  const Barycentric<double> z = project_twice(ra, e, f, n, 1 / nn);                                        // ABC
+  if (dot(cross(ra, rb), n) <= 0 && ae >= 0 && be <= 0) return {a + (ae / squared(e)) * e, 3};                  // AB
+  if (dot(cross(rc, ra), n) <= 0 && af >= 0 && cf <= 0) return {a + (af / squared(f)) * f, 5};                  // AC
+  if (dot(cross(rb, rc), n) <= 0 && bf >= be && ce >= cf) return {b + clamp01(dot(rb, g) / squared(g)) * g, 6}; // BC
+  const Barycentric<double> z = project_twice(ra, e, f, n, 1 / nn);                                             // ABC
   const double v = clamp01(z.v), w = std::min(clamp01(z.w), 1 - v);
-  return a + v * e + w * f;
+  return {a + v * e + w * f, 7};
 }
 
 } // namespace trigrain

@@ -1,5 +1,5 @@
 #include "kernels/sphere.hpp"
-#include "kernels/pack.hpp"
+#include "kernels/lanes.hpp"
 #include "kernels/point_triangle.hpp"
 
 namespace trigrain {
@@ -12,11 +12,21 @@ SphereClosest closest_points(const Sphere& a, const Sphere& b) {
 }
 
 PointOnTriangle closest_point(const Vec3<double>& point, const Triangle& t) {
-  const Vec3<double> from_point = closest_on_triangle_by_zones({0, 0, 0}, {t.a0 - point, t.a1 - point, t.a2 - point});
+  const Vec3<double> from_point =
+      closest_on_triangle_by_zones({0, 0, 0}, {t.a0 - point, t.a1 - point, t.a2 - point}).point;
   return {from_point + point, squared(from_point)};
 }
 
 namespace {
+
+/// Triangles first .. first + lane_count - 1, one per lane; lanes beyond the end hold padding.
+Corners<Lanes> load_corners(const TrianglesView& t, int first) {
+  const auto at = [&](int k) {
+    const auto axis = [&](int c) { return load<Lanes>(t.coordinate[c] + first); };
+    return Vec3<Lanes>{axis(k), axis(k + 1), axis(k + 2)};
+  };
+  return {at(0), at(3), at(6)};
+}
 
 /// Squared distance of the origin from the bounding box of a triangle.
 Lanes box_distance2(const Corners<Lanes>& t) {
@@ -46,10 +56,12 @@ Lanes box_distance2(const Corners<Lanes>& t) {
         max(max(largest_coordinate(local[0]), largest_coordinate(local[1])), largest_coordinate(local[2]));
     const Lanes limit = Lanes(reach) + Lanes(slack) * extent;
     if (none_of(box_distance2(local) <= limit * limit)) continue;
-    const LaneMask near = squared(closest_on_triangle(origin, local)) <= limit * limit;
+    const auto [v, w] = closest_on_triangle(origin, local);
+    const unsigned near =
+        bits_of(squared(local[0] + v * (local[1] - local[0]) + w * (local[2] - local[0])) <= limit * limit);
     for (int lane = 0; lane < std::min(lane_count, t.size - first); ++lane) {
       indices[n] = first + lane;
-      n += near[lane];
+      n += near >> lane & 1;
     }
   }
   indices.resize(n);

@@ -16,7 +16,6 @@ template <class T> struct PointPair { Vec3<T> p, q; };
 /// at most twice the largest coordinate of the pair in any other frame.
 template <class T> struct TrianglePair {
   Corners<T> a, b;
-  Vec3<T> origin;
   T extent;
 };
 
@@ -24,14 +23,16 @@ template <class T> [[gnu::always_inline]] inline T largest_coordinate(const Vec3
   return max(max(abs(v.x), abs(v.y)), abs(v.z));
 }
 
+/// A pair that is in its own frame already.
+template <class T> [[gnu::always_inline]] inline TrianglePair<T> with_extent(const Corners<T>& a, const Corners<T>& b) {
+  T extent = max(largest_coordinate(a[1]), largest_coordinate(a[2]));
+  for (int k = 0; k < 3; ++k) extent = max(extent, largest_coordinate(b[k]));
+  return {a, b, extent};
+}
+
+/// `a` and `b` seen from the corner a[0].
 template <class T> [[gnu::always_inline]] inline TrianglePair<T> local_pair(const Corners<T>& a, const Corners<T>& b) {
-  TrianglePair<T> pair{.a = {Vec3<T>{T(0), T(0), T(0)}, a[1] - a[0], a[2] - a[0]},
-                       .b = {b[0] - a[0], b[1] - a[0], b[2] - a[0]},
-                       .origin = a[0],
-                       .extent = T(0)};
-  for (int k = 0; k < 3; ++k)
-    pair.extent = max(pair.extent, max(largest_coordinate(pair.a[k]), largest_coordinate(pair.b[k])));
-  return pair;
+  return with_extent<T>({Vec3<T>{T(0), T(0), T(0)}, a[1] - a[0], a[2] - a[0]}, {b[0] - a[0], b[1] - a[0], b[2] - a[0]});
 }
 
 inline Corners<double> corners(const Triangle& t) { return {t.a0, t.a1, t.a2}; }
@@ -42,6 +43,6 @@ inline constexpr double epsilon = std::numeric_limits<double>::epsilon(); ///< 2
 
 /// A cross product e x f counts as zero unless |e x f|^2 > noise |e|^2 |f|^2: below that it may be nothing but the
 /// rounding that fused multiply-adds leave.
-inline constexpr double cross_noise = 64 * epsilon * epsilon;
+template <class T> inline constexpr double cross_noise = 64 * epsilon_of<T>* epsilon_of<T>;
 
 } // namespace trigrain

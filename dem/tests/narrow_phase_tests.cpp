@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 WorkerBuffer contacts_of(const Particles& particles, std::string_view kernel, std::string_view precheck,
                          std::string_view rule) {
-  const NarrowPhase narrow{&row_named(kernels(), "kernel", kernel), &row_named(prechecks(), "pre-check", precheck),
+  const NarrowPhase narrow{&kernel_named(kernel), &row_named(prechecks(), "pre-check", precheck),
                            &row_named(contact_rules(), "contact rule", rule)};
   WorkerBuffer buffer;
   if (narrow.precheck->bodies(particles, {0, 1})) collide(particles, {0, 1}, narrow, buffer);

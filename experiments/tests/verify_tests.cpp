@@ -7,7 +7,7 @@
 namespace trigrain {
 namespace {
 
-const Kernel& brute() { return row_named(kernels(), "kernel", "brute"); }
+const Kernel& brute() { return kernel_named("brute"); }
 
 Scene two_granulates() {
   Scene scene;
@@ -24,27 +24,40 @@ std::vector<TriangleBlock> blocks() {
   return sample_triangle_pairs(simulation, 2048, 1);
 }
 
+/// Brute force's hits, each changed, or left out where `change` says false.
+template <class Change>
+void brute_changed(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts, Change change) {
+  Hits right;
+  brute().closest(list, query, right, counts);
+  for (int k = 0; k < right.size(); ++k)
+    if (Hit hit = right[k]; change(hit)) hits.push_back(hit);
+}
+
 // Kernels with one fault each.
 
-void distances_off(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
-  brute().closest(a, b, reach, hits, counts);
-  for (Hit& hit : hits)
-    if (hit.i == 3 && hit.j == 3) hit.closest.upper *= 1 + 1e-9;
+void distances_off(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {
+  brute_changed(list, query, hits, counts, [](Hit& hit) {
+    if (hit.i == 3 && hit.j == 3) hit.closest.distance *= 1 + 1e-9;
+    return true;
+  });
 }
-void points_off(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
-  brute().closest(a, b, reach, hits, counts);
-  for (Hit& hit : hits) hit.closest.p.x += 1e-9;
+void points_off(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {
+  brute_changed(list, query, hits, counts, [](Hit& hit) {
+    hit.closest.p.x += 1e-9;
+    return true;
+  });
 }
-void last_row_left_out(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
-  brute().closest(a, b, reach, hits, counts);
-  std::erase_if(hits, [&](const Hit& hit) { return hit.i == a.size - 1; });
+void last_row_left_out(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {
+  brute_changed(list, query, hits, counts, [&](Hit& hit) { return hit.i != list.a.size - 1; });
 }
-void contacts_lost(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
-  brute().closest(a, b, std::isfinite(reach) ? .6 * reach : reach, hits, counts);
+void contacts_lost(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {
+  brute().closest(list, {.reach = std::isfinite(query.reach) ? .6 * query.reach : query.reach}, hits, counts);
 }
-void not_a_number(TrianglesView a, TrianglesView b, double reach, std::vector<Hit>& hits, KernelCounts& counts) {
-  brute().closest(a, b, reach, hits, counts);
-  for (Hit& hit : hits) hit.closest.upper = std::nan("");
+void not_a_number(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {
+  brute_changed(list, query, hits, counts, [](Hit& hit) {
+    hit.closest.distance = std::nan("");
+    return true;
+  });
 }
 
 TEST(Verify, a_wrong_kernel_is_caught) {
@@ -68,10 +81,10 @@ TEST(Verify, a_wrong_kernel_is_caught) {
 TEST(Verify, the_sample_holds_near_and_far_pairs) {
   std::int64_t pairs = 0, near = 0;
   for (const TriangleBlock& block : blocks()) {
-    std::vector<Hit> hits;
+    Hits hits;
     KernelCounts counts;
-    brute().closest(block.a.view(), block.b.view(), block.reach, hits, counts);
-    near += std::ssize(hits);
+    closest_of_all(brute(), block.a.view(), block.b.view(), {.reach = block.reach}, hits, counts);
+    near += hits.size();
     pairs += block.a.size() * block.b.size();
   }
   EXPECT_GE(pairs, 2048);

@@ -16,8 +16,8 @@ Triangles crowd(int size, std::uint64_t first) {
 }
 
 bool same(const Closest& x, const Closest& y) {
-  return x.upper == y.upper && x.lower == y.lower && x.fell_back == y.fell_back && x.p.x == y.p.x && x.p.y == y.p.y &&
-         x.p.z == y.p.z && x.q.x == y.q.x && x.q.y == y.q.y && x.q.z == y.q.z;
+  return x.distance == y.distance && x.upper == y.upper && x.lower == y.lower && x.fell_back == y.fell_back &&
+         x.p.x == y.p.x && x.p.y == y.p.y && x.p.z == y.p.z && x.q.x == y.q.x && x.q.y == y.q.y && x.q.z == y.q.z;
 }
 
 } // namespace
@@ -39,16 +39,17 @@ TEST(Batches, GiveEveryPairTheAnswerItGetsAlone) {
                                {17, 35}})
       for (const double reach : {0.3, everywhere}) {
         const Triangles a = crowd(m, 100), b = crowd(n, 900);
-        std::vector<Hit> hits, expected;
+        Hits hits;
+        std::vector<Hit> expected;
         KernelCounts counts;
-        kernel.closest(a.view(), b.view(), reach, hits, counts);
+        closest_of_all(kernel, a.view(), b.view(), {.reach = reach}, hits, counts);
         EXPECT_EQ(counts.triangle_pairs, m * n);
         for (int i = 0; i < m; ++i)
           for (int j = 0; j < n; ++j)
-            if (const Closest c = solve(kernel, a.view()[i], b.view()[j]); c.upper <= reach)
+            if (const Closest c = solve(kernel, a.view()[i], b.view()[j]); c.distance <= reach)
               expected.push_back({i, j, c});
-        ASSERT_EQ(hits.size(), expected.size()) << kernel.name << ' ' << m << " x " << n << " reach " << reach;
-        for (std::size_t k = 0; k < hits.size(); ++k) {
+        ASSERT_EQ(hits.size(), std::ssize(expected)) << kernel.name << ' ' << m << " x " << n << " reach " << reach;
+        for (int k = 0; k < hits.size(); ++k) {
           ASSERT_EQ(hits[k].i, expected[k].i);
           ASSERT_EQ(hits[k].j, expected[k].j);
           ASSERT_TRUE(same(hits[k].closest, expected[k].closest))
@@ -61,10 +62,10 @@ TEST(Batches, EverySizeUpToThreePacksReportsEveryPairInOrder) {
   for (const Kernel& kernel : kernels())
     for (int n = 1; n <= 35; ++n) {
       const Triangles a = crowd(2, 5), b = crowd(n, 50);
-      std::vector<Hit> hits;
+      Hits hits;
       KernelCounts counts;
-      kernel.closest(a.view(), b.view(), everywhere, hits, counts);
-      ASSERT_EQ(static_cast<int>(hits.size()), 2 * n) << kernel.name;
+      closest_of_all(kernel, a.view(), b.view(), {}, hits, counts);
+      ASSERT_EQ(hits.size(), 2 * n) << kernel.name;
       for (int k = 0; k < 2 * n; ++k) ASSERT_EQ(hits[k].i * n + hits[k].j, k) << kernel.name;
     }
 }
@@ -72,10 +73,10 @@ TEST(Batches, EverySizeUpToThreePacksReportsEveryPairInOrder) {
 TEST(Batches, NothingAgainstSomethingIsNothing) {
   const Triangles none, some = crowd(3, 1);
   for (const Kernel& kernel : kernels()) {
-    std::vector<Hit> hits;
+    Hits hits;
     KernelCounts counts;
-    kernel.closest(none.view(), some.view(), everywhere, hits, counts);
-    kernel.closest(some.view(), none.view(), everywhere, hits, counts);
+    closest_of_all(kernel, none.view(), some.view(), {}, hits, counts);
+    closest_of_all(kernel, some.view(), none.view(), {}, hits, counts);
     EXPECT_TRUE(hits.empty());
     EXPECT_EQ(counts.triangle_pairs, 0);
   }
@@ -84,12 +85,12 @@ TEST(Batches, NothingAgainstSomethingIsNothing) {
 TEST(Batches, HitsAreAppendedAndCountsAreAddedTo) {
   const Triangles a = crowd(3, 1), b = crowd(4, 7);
   for (const Kernel& kernel : kernels()) {
-    std::vector<Hit> hits;
+    Hits hits;
     KernelCounts counts;
-    kernel.closest(a.view(), b.view(), everywhere, hits, counts);
+    closest_of_all(kernel, a.view(), b.view(), {}, hits, counts);
     const KernelCounts once = counts;
-    kernel.closest(a.view(), b.view(), everywhere, hits, counts);
-    EXPECT_EQ(hits.size(), 24u);
+    closest_of_all(kernel, a.view(), b.view(), {}, hits, counts);
+    EXPECT_EQ(hits.size(), 24);
     EXPECT_EQ(counts.triangle_pairs, 24);
     EXPECT_EQ(counts.newton_steps, 2 * once.newton_steps);
     EXPECT_EQ(counts.fall_backs, 2 * once.fall_backs);
@@ -98,12 +99,12 @@ TEST(Batches, HitsAreAppendedAndCountsAreAddedTo) {
 
 TEST(HybridPair, CountsItsFallBacks) {
   const Triangle a{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, crossing{{.2, .2, -1}, {.2, .2, 1}, {2, 2, 1}};
-  std::vector<Hit> hits;
+  Hits hits;
   KernelCounts counts;
   const Triangles ta = only(a), tb = only(crossing);
-  kernels()[2].closest(ta.view(), tb.view(), everywhere, hits, counts);
+  closest_of_all(kernel_named("hybrid-pair"), ta.view(), tb.view(), {}, hits, counts);
   EXPECT_EQ(counts.fall_backs, 1);
-  EXPECT_TRUE(hits.at(0).closest.fell_back);
+  EXPECT_TRUE(hits[0].closest.fell_back);
 }
 
 } // namespace trigrain

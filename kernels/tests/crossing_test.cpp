@@ -57,8 +57,8 @@ TEST(Crossing, SegmentsAndPointsMeetWhatTheyTouch) {
 TEST(Brute, ReportsNoZeroForAGapBelowRounding) {
   const Triangle steep{{0, 0, 1}, {1, 0, -1}, {0, 1, -1}}, above{{.25, .25, 1e-20}, {.5, .25, 1}, {.5, .5, 1}};
   for (const Closest& c : {closest_by_brute_force(steep, above), closest_by_brute_force(above, steep)}) {
-    EXPECT_GT(c.upper, 0);
-    EXPECT_LT(c.upper, 1e-14);
+    EXPECT_GT(c.distance, 0);
+    EXPECT_LT(c.distance, 1e-14);
     EXPECT_GT(dot(c.p - c.q, c.p - c.q), 0);
   }
 }

@@ -183,10 +183,10 @@ Triangles only(const Triangle& t) {
 }
 
 Closest solve(const Kernel& kernel, const Triangle& a, const Triangle& b) {
-  std::vector<Hit> hits;
+  Hits hits;
   KernelCounts counts;
   const Triangles ta = only(a), tb = only(b);
-  kernel.closest(ta.view(), tb.view(), everywhere, hits, counts);
+  closest_of_all(kernel, ta.view(), tb.view(), {}, hits, counts);
   if (hits.size() != 1) throw std::runtime_error(std::string(kernel.name) + " did not answer for one pair");
   return hits[0].closest;
 }
@@ -194,20 +194,21 @@ Closest solve(const Kernel& kernel, const Triangle& a, const Triangle& b) {
 std::string fault(const Closest& c, const Pair& pair, double distance, double tolerance, bool exact) {
   using Quad = boost::multiprecision::cpp_bin_float_quad;
   const double s = scale(pair);
-  for (const double x : {c.upper, c.lower, c.p.x, c.p.y, c.p.z, c.q.x, c.q.y, c.q.z})
+  for (const double x : {c.distance, c.upper, c.lower, c.p.x, c.p.y, c.p.z, c.q.x, c.q.y, c.q.z})
     if (!std::isfinite(x)) return "not finite";
   const auto in_units = [&](double x) { return " by " + std::to_string(x / s * 1e16) + "e-16 S"; };
   if (c.lower < 0 || c.lower > distance) return "lower bound is above the distance" + in_units(c.lower - distance);
-  if (c.upper < distance - tolerance * s) return "upper bound is below the distance" + in_units(distance - c.upper);
+  if (c.upper < distance) return "upper bound is below the distance" + in_units(distance - c.upper);
   const double apart = std::sqrt(dot(c.p - c.q, c.p - c.q));
-  if (std::fabs(apart - c.upper) > tolerance * s) return "|p - q| is not upper" + in_units(apart - c.upper);
+  if (std::fabs(apart - c.distance) > tolerance * s)
+    return "|p - q| is not the distance" + in_units(apart - c.distance);
   const double off_a = static_cast<double>(sqrt(oracle::distance2<Quad>(c.p, pair.a)));
   const double off_b = static_cast<double>(sqrt(oracle::distance2<Quad>(c.q, pair.b)));
   if (off_a > tolerance * s) return "p is off A" + in_units(off_a);
   if (off_b > tolerance * s) return "q is off B" + in_units(off_b);
   if (!exact) return "";
-  if (std::fabs(c.upper - distance) > tolerance * s) return "distance is wrong" + in_units(c.upper - distance);
-  if ((c.upper == 0) != (distance == 0)) return distance == 0 ? "touching, but not zero" : "false zero";
+  if (std::fabs(c.distance - distance) > tolerance * s) return "distance is wrong" + in_units(c.distance - distance);
+  if ((c.distance == 0) != (distance == 0)) return distance == 0 ? "touching, but not zero" : "false zero";
   return "";
 }
 
