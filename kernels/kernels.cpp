@@ -1,5 +1,6 @@
 #include "kernels/kernels.hpp"
 #include "kernels/brute.hpp"
+#include "kernels/brute_simd.hpp"
 #include "kernels/hybrid.hpp"
 #include "kernels/iterative.hpp"
 #include "kernels/lanes.hpp"
@@ -28,6 +29,17 @@ constexpr double bytes_per_pair = 2 * 9 * sizeof(double) + Hits::columns * sizeo
 
 template <class T> constexpr std::string_view precision_of = sizeof(ScalarOf<T>) == sizeof(double) ? "double" : "float";
 
+template <class T> constexpr Kernel brute_simd_row() {
+  return {"brute-simd",
+          precision_of<T>,
+          lanes_of<T>,
+          "15 features without branches, crossing in lanes or exactly",
+          sizeof(ScalarOf<T>) == sizeof(double),
+          brute_simd<T>,
+          1400,
+          bytes_per_pair};
+}
+
 template <class T> constexpr Kernel iterative_row() {
   return {"iterative", precision_of<T>,
           lanes_of<T>, "Newton steps of the penalty method; Krestenitis, Weinzierl, Koziara (2017)",
@@ -46,6 +58,13 @@ constexpr std::array table{
     Kernel{"brute", "double", 1,
            "15 features with branches, crossing decided exactly; Krestenitis (2018), Ericson (2005) 5.1.5, 5.1.9", true,
            brute, 1400, bytes_per_pair},
+    brute_simd_row<double>(),
+    brute_simd_row<Pack<double, 4>>(),
+    brute_simd_row<Pack<double, 8>>(),
+    brute_simd_row<float>(),
+    brute_simd_row<Pack<float, 4>>(),
+    brute_simd_row<Pack<float, 8>>(),
+    brute_simd_row<Pack<float, 16>>(),
     iterative_row<double>(),
     iterative_row<Pack<double, 4>>(),
     iterative_row<Pack<double, 8>>(),

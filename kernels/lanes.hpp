@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -91,6 +92,52 @@ template <class T, class To> [[gnu::always_inline]] inline void store(const T& x
   else
     x.copy_to(to, stdx::element_aligned);
 }
+
+namespace detail {
+/// A pack's worth of doubles, as one pack or several, beside a pack of floats.
+template <class T> inline constexpr int halves = lanes_of<T> > lane_count ? lanes_of<T> / lane_count : 1;
+template <class T> using Wide = Pack<double, lanes_of<T> / halves<T>>;
+} // namespace detail
+
+/// from[lane] - minus[lane], or minus[0] in all lanes, taken in double and then rounded to T.
+template <class T, class Minus> [[gnu::always_inline]] inline T load_difference(const double* from, Minus minus) {
+  using Wide = detail::Wide<T>;
+  constexpr int width = lanes_of<Wide>;
+  const auto part = [&](int k) {
+    if constexpr (std::is_pointer_v<Minus>)
+      return load<Wide>(from + k * width) - load<Wide>(minus + k * width);
+    else
+      return load<Wide>(from + k * width) - Wide(minus);
+  };
+  if constexpr (std::is_same_v<T, Wide>) return part(0);
+#ifdef __AVX512F__
+  else if constexpr (lanes_of<T> == 16) {
+    const __m256 low = _mm512_cvtpd_ps(static_cast<__m512d>(part(0))),
+                 high = _mm512_cvtpd_ps(static_cast<__m512d>(part(1)));
+    return T(_mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1));
+  }
+#endif
+  else {
+    std::array<ScalarOf<T>, lanes_of<T>> rounded;
+    for (int k = 0; k < detail::halves<T>; ++k) store(part(k), rounded.data() + k * width);
+    return load<T>(rounded.data());
+  }
+}
+
+/// to[lane] = x[lane] + plus[lane], in double.
+template <class T> [[gnu::always_inline]] inline void store_sum(const T& x, const double* plus, double* to) {
+  using Wide = detail::Wide<T>;
+  constexpr int width = lanes_of<Wide>;
+  if constexpr (std::is_same_v<T, Wide>)
+    store(x + load<T>(plus), to);
+  else {
+    std::array<ScalarOf<T>, lanes_of<T>> each;
+    store(x, each.data());
+    for (int k = 0; k < detail::halves<T>; ++k)
+      store(load<Wide>(each.data() + k * width) + load<Wide>(plus + k * width), to + k * width);
+  }
+}
+
 template <class T> [[gnu::always_inline]] inline ScalarOf<T> lane_of(const T& x, int lane) {
   if constexpr (!is_pack<T>)
     return x;

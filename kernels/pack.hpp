@@ -21,12 +21,10 @@ template <class T> class PairPack {
   static constexpr int lanes = lanes_of<T>;
 
   explicit PairPack(const PairList& list) : index_(list.pairs) {
-    std::array<std::array<double, lanes>, 9> ca, cb;
-    gather(list.a, &PairIndex::i, ca);
-    gather(list.b, &PairIndex::j, cb);
-    for (int axis = 0; axis < 3; ++axis) origin_[axis] = ca[axis];
-    pair_ = with_extent<T>({Vec3<T>{T(0), T(0), T(0)}, local(ca, 1), local(ca, 2)},
-                           {local(cb, 0), local(cb, 1), local(cb, 2)});
+    if (is_row())
+      load_row(list);
+    else
+      load_scattered(list);
   }
 
   int size() const { return static_cast<int>(index_.size()); }
@@ -35,87 +33,111 @@ template <class T> class PairPack {
   /// Bits of the lanes that hold a pair of the list.
   unsigned used() const { return (1u << size()) - 1; }
 
+  /// Point p of one lane, in the world's frame (m).
+  Vec3<double> p_of(const PackAnswer<T>& answer, int lane) const {
+    return {static_cast<double>(lane_of(answer.p.x, lane)) + origin_[0][lane],
+            static_cast<double>(lane_of(answer.p.y, lane)) + origin_[1][lane],
+            static_cast<double>(lane_of(answer.p.z, lane)) + origin_[2][lane]};
+  }
+
   /// Appends the answers of the lanes whose bit is set, back in the world's frame.
   void append(const PackAnswer<T>& answer, unsigned bits, Hits& hits) const {
-    const Columns columns = columns_of(answer);
+    if (bits == 0) return;
     hits.reserve(lanes);
     if (bits == (1u << lanes) - 1)
-      append_all(columns, hits);
+      append_all(answer, hits);
     else
-      for (; bits != 0; bits &= bits - 1) append_one(columns, std::countr_zero(bits), hits);
+      append_some(answer, bits, hits);
   }
 
  private:
-  /// px ... qz, distance, lower, upper, feature.
-  using Columns = std::array<std::array<ScalarOf<T>, lanes>, Hits::columns + 1>;
+  using Column = std::array<double, lanes>;
 
-  /// Nine coordinates of one triangle per lane. Neighbours and repeated triangles, as in lists of all pairs, are cheap.
-  void gather(const TrianglesView& t, int PairIndex::*which, std::array<std::array<double, lanes>, 9>& to) const {
-    std::array<int, lanes> k;
-    for (int lane = 0; lane < lanes; ++lane) k[lane] = index_[std::min(lane, size() - 1)].*which;
-    bool same = true, neighbours = true;
-    for (int lane = 0; lane < lanes; ++lane) {
-      same &= k[lane] == k[0];
-      neighbours &= k[lane] == k[0] + lane;
-    }
-    for (int c = 0; c < 9; ++c) {
-      const double* from = t.coordinate[c];
-      if (same)
-        to[c].fill(from[k[0]]);
-      else if (neighbours)
-        std::copy_n(from + k[0], lanes, to[c].begin());
-      else
-        for (int lane = 0; lane < lanes; ++lane) to[c][lane] = from[k[lane]];
-    }
+  /// One triangle of A against neighbours of B, as in a list of all pairs.
+  bool is_row() const {
+    if (size() < lanes) return false;
+    const auto [i, j] = index_[0];
+    int other = 0;
+    for (int lane = 0; lane < lanes; ++lane) other |= (index_[lane].i ^ i) | (index_[lane].j ^ (j + lane));
+    return other == 0;
   }
 
-  Vec3<T> local(const std::array<std::array<double, lanes>, 9>& c, int corner) const {
-    const auto axis = [&](int k) {
-      std::array<ScalarOf<T>, lanes> x;
-      for (int lane = 0; lane < lanes; ++lane)
-        x[lane] = static_cast<ScalarOf<T>>(c[3 * corner + k][lane] - origin_[k][lane]);
-      return load<T>(x.data());
+  [[gnu::flatten]] void load_row(const PairList& list) {
+    const auto [i, j] = index_[0];
+    const Triangle a = list.a[i];
+    const std::array<double, 3> a0{a.a0.x, a.a0.y, a.a0.z};
+    for (int axis = 0; axis < 3; ++axis) origin_[axis].fill(a0[axis]);
+    const auto seen_from_a0 = [&](const Vec3<double>& x) {
+      return Vec3<T>{constant<T>(x.x - a.a0.x), constant<T>(x.y - a.a0.y), constant<T>(x.z - a.a0.z)};
     };
-    return {axis(0), axis(1), axis(2)};
-  }
-
-  static Columns columns_of(const PackAnswer<T>& answer) {
-    Columns to;
-    int k = 0;
-    for (const T* x : {&answer.p.x, &answer.p.y, &answer.p.z, &answer.q.x, &answer.q.y, &answer.q.z, &answer.distance,
-                       &answer.lower, &answer.upper, &answer.feature})
-      store(*x, to[k++].data());
-    return to;
-  }
-
-  void append_all(const Columns& from, Hits& hits) const {
-    for (int c = 0; c < Hits::columns; ++c) {
-      double* to = hits.next(static_cast<Hits::Column>(c));
-      for (int lane = 0; lane < lanes; ++lane)
-        to[lane] = c < Hits::distance ? static_cast<double>(from[c][lane]) + origin_[c % 3][lane]
-                                      : static_cast<double>(from[c][lane]);
+    pair_.a = {seen_from_a0(a.a0), seen_from_a0(a.a1), seen_from_a0(a.a2)};
+    for (int k = 0; k < 3; ++k) {
+      const auto axis = [&, j = j](int x) { return load_difference<T>(list.b.coordinate[3 * k + x] + j, a0[x]); };
+      pair_.b[k] = {axis(0), axis(1), axis(2)};
     }
-    int *i = hits.next_i(), *j = hits.next_j(), *feature = hits.next_feature();
+    pair_.extent = extent_of(pair_.a, pair_.b);
+  }
+
+  [[gnu::flatten]] void load_scattered(const PairList& list) {
+    std::array<Column, 9> a, b;
+    for (int lane = 0; lane < lanes; ++lane) {
+      const auto [i, j] = index_[std::min(lane, size() - 1)];
+      for (int c = 0; c < 9; ++c) {
+        a[c][lane] = list.a.coordinate[c][i];
+        b[c][lane] = list.b.coordinate[c][j];
+      }
+    }
+    for (int axis = 0; axis < 3; ++axis) origin_[axis] = a[axis];
+    for (int k = 0; k < 3; ++k) {
+      const auto corner = [&](const std::array<Column, 9>& of) {
+        const auto axis = [&](int x) { return load_difference<T>(of[3 * k + x].data(), origin_[x].data()); };
+        return Vec3<T>{axis(0), axis(1), axis(2)};
+      };
+      pair_.a[k] = corner(a);
+      pair_.b[k] = corner(b);
+    }
+    pair_.extent = extent_of(pair_.a, pair_.b);
+  }
+
+  [[gnu::flatten]] void append_all(const PackAnswer<T>& from, Hits& hits) const {
+    static constexpr Column zero{};
+    int c = 0;
+    for (const T* x : {&from.p.x, &from.p.y, &from.p.z, &from.q.x, &from.q.y, &from.q.z}) {
+      store_sum(*x, origin_[c % 3].data(), hits.next(static_cast<Hits::Column>(c)));
+      ++c;
+    }
+    store_sum(from.distance, zero.data(), hits.next(Hits::distance));
+    store_sum(from.lower, zero.data(), hits.next(Hits::lower));
+    store_sum(from.upper, zero.data(), hits.next(Hits::upper));
+    store(from.feature, hits.next_feature());
+    int *i = hits.next_i(), *j = hits.next_j();
     for (int lane = 0; lane < lanes; ++lane) {
       i[lane] = index_[lane].i;
       j[lane] = index_[lane].j;
-      feature[lane] = static_cast<int>(from[Hits::columns][lane]);
     }
     hits.added(lanes);
   }
 
-  void append_one(const Columns& from, int lane, Hits& hits) const {
-    for (int c = 0; c < Hits::columns; ++c)
-      *hits.next(static_cast<Hits::Column>(c)) =
-          static_cast<double>(from[c][lane]) + (c < Hits::distance ? origin_[c % 3][lane] : 0);
-    *hits.next_i() = index_[lane].i;
-    *hits.next_j() = index_[lane].j;
-    *hits.next_feature() = static_cast<int>(from[Hits::columns][lane]);
-    hits.added(1);
+  [[gnu::flatten]] void append_some(const PackAnswer<T>& from, unsigned bits, Hits& hits) const {
+    std::array<std::array<ScalarOf<T>, lanes>, Hits::columns + 1> to;
+    int k = 0;
+    for (const T* x : {&from.p.x, &from.p.y, &from.p.z, &from.q.x, &from.q.y, &from.q.z, &from.distance, &from.lower,
+                       &from.upper, &from.feature})
+      store(*x, to[k++].data());
+    for (; bits != 0; bits &= bits - 1) {
+      const int lane = std::countr_zero(bits);
+      for (int c = 0; c < Hits::columns; ++c)
+        *hits.next(static_cast<Hits::Column>(c)) =
+            static_cast<double>(to[c][lane]) + (c < Hits::distance ? origin_[c % 3][lane] : 0);
+      *hits.next_i() = index_[lane].i;
+      *hits.next_j() = index_[lane].j;
+      *hits.next_feature() = static_cast<int>(to[Hits::columns][lane]);
+      hits.added(1);
+    }
   }
 
   std::span<const PairIndex> index_;
-  std::array<std::array<double, lanes>, 3> origin_;
+  std::array<Column, 3> origin_; ///< a[0] of every lane (m)
   TrianglePair<T> pair_;
 };
 

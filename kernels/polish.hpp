@@ -14,11 +14,6 @@ template <class T> struct Polished {
   T distance, gap;
 };
 
-template <class T, class Mask>
-[[gnu::always_inline]] inline Vec3<T> select(const Mask& m, const Vec3<T>& yes, const Vec3<T>& no) {
-  return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
-}
-
 /// The corner of a triangle of largest weight, with its own weights, and the edge opposite the smallest.
 template <class T> struct NearFeatures {
   Vec3<T> corner, edge0, edge1;

@@ -19,20 +19,27 @@ template <class T> struct TrianglePair {
   T extent;
 };
 
+template <class T, class Mask>
+[[gnu::always_inline]] inline Vec3<T> select(const Mask& m, const Vec3<T>& yes, const Vec3<T>& no) {
+  return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
+}
+
 template <class T> [[gnu::always_inline]] inline T largest_coordinate(const Vec3<T>& v) {
   return max(max(abs(v.x), abs(v.y)), abs(v.z));
 }
 
-/// A pair that is in its own frame already.
-template <class T> [[gnu::always_inline]] inline TrianglePair<T> with_extent(const Corners<T>& a, const Corners<T>& b) {
+/// Largest coordinate of two triangles in a frame with its origin at a[0].
+template <class T> [[gnu::always_inline]] inline T extent_of(const Corners<T>& a, const Corners<T>& b) {
   T extent = max(largest_coordinate(a[1]), largest_coordinate(a[2]));
   for (int k = 0; k < 3; ++k) extent = max(extent, largest_coordinate(b[k]));
-  return {a, b, extent};
+  return extent;
 }
 
 /// `a` and `b` seen from the corner a[0].
 template <class T> [[gnu::always_inline]] inline TrianglePair<T> local_pair(const Corners<T>& a, const Corners<T>& b) {
-  return with_extent<T>({Vec3<T>{T(0), T(0), T(0)}, a[1] - a[0], a[2] - a[0]}, {b[0] - a[0], b[1] - a[0], b[2] - a[0]});
+  const Corners<T> to_a{Vec3<T>{T(0), T(0), T(0)}, a[1] - a[0], a[2] - a[0]},
+      to_b{b[0] - a[0], b[1] - a[0], b[2] - a[0]};
+  return {to_a, to_b, extent_of(to_a, to_b)};
 }
 
 inline Corners<double> corners(const Triangle& t) { return {t.a0, t.a1, t.a2}; }

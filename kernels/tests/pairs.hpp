@@ -1,8 +1,8 @@
 #pragma once
 #include "kernels/kernels.hpp"
 #include <cstdint>
-#include <iosfwd>
 #include <limits>
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -44,8 +44,17 @@ Triangles only(const Triangle& t);
 /// A kernel's answer for one pair, whatever the distance.
 Closest solve(const Kernel& kernel, const Triangle& a, const Triangle& b);
 
+inline void PrintTo(const Kernel& kernel, std::ostream* out) {
+  *out << kernel.name << ' ' << kernel.precision << ' ' << kernel.lanes;
+}
+
+/// What a kernel's answers are held to, in S.
+inline double tolerance_of(const Kernel& kernel) { return kernel.precision == "float" ? 2e-6 : 1e-14; }
+/// Whether it claims to find the distance, not only bounds of it.
+inline bool finds_distance(const Kernel& kernel) { return kernel.name != "iterative"; }
+
 /// "" if the answer is right: bounds, points in their triangles, |p - q| = upper, all finite; else what is wrong.
-/// `tolerance` in S; exact kernels must also give `distance` itself and zero only for zero.
-std::string fault(const Closest& c, const Pair& pair, double distance, double tolerance, bool exact);
+/// `tolerance` in S; kernels that find it must also give `distance` itself and zero only for zero.
+std::string fault(const Closest& c, const Pair& pair, double distance, double tolerance, bool finds_distance);
 
 } // namespace trigrain

@@ -27,9 +27,8 @@ TEST_P(RandomPairs, EveryKernelMeetsQuadruplePrecision) {
     else if (distance < 1e-14 * scale(pair))
       continue;
     for (const Kernel& kernel : kernels()) {
-      const bool exact = kernel.exact;
-      ASSERT_EQ(fault(solve(kernel, pair.a, pair.b), pair, distance, 1e-14, exact), "")
-          << kernel.name << ", case " << k << ": " << pair;
+      ASSERT_EQ(fault(solve(kernel, pair.a, pair.b), pair, distance, tolerance_of(kernel), finds_distance(kernel)), "")
+          << testing::PrintToString(kernel) << ", case " << k << ": " << pair;
     }
   }
 }
@@ -45,9 +44,8 @@ TEST(LatticePairs, EveryKernelMeetsRationalNumbers) {
     const double distance = rounded(oracle::distance2<cpp_rational>(pair.a, pair.b));
     touching += distance == 0;
     for (const Kernel& kernel : kernels()) {
-      const bool exact = kernel.exact;
-      ASSERT_EQ(fault(solve(kernel, pair.a, pair.b), pair, distance, 1e-14, exact), "")
-          << kernel.name << ", case " << k << ": " << pair;
+      ASSERT_EQ(fault(solve(kernel, pair.a, pair.b), pair, distance, tolerance_of(kernel), finds_distance(kernel)), "")
+          << testing::PrintToString(kernel) << ", case " << k << ": " << pair;
     }
   }
   EXPECT_GT(touching, 800);

@@ -5,13 +5,10 @@
 
 namespace trigrain {
 
-void PrintTo(const Kernel& kernel, std::ostream* out) {
-  *out << kernel.name << ' ' << kernel.precision << ' ' << kernel.lanes;
-}
-
 class EveryKernel : public testing::TestWithParam<Kernel> {
  protected:
-  bool exact() const { return GetParam().exact; }
+  bool finds() const { return finds_distance(GetParam()); }
+  double tolerance() const { return tolerance_of(GetParam()); }
 };
 
 TEST_P(EveryKernel, MeetsTheReferenceDistancesInBothOrders) {
@@ -20,10 +17,10 @@ TEST_P(EveryKernel, MeetsTheReferenceDistancesInBothOrders) {
   double worst = 0;
   for (const auto& [pair, distance] : pairs) {
     const Closest ab = solve(GetParam(), pair.a, pair.b), ba = solve(GetParam(), pair.b, pair.a);
-    EXPECT_EQ(fault(ab, pair, distance, 1e-14, exact()), "") << pair;
-    EXPECT_EQ(fault(ba, {pair.family, pair.b, pair.a}, distance, 1e-14, exact()), "") << "swapped " << pair;
-    if (exact()) {
-      EXPECT_LE(std::fabs(ab.distance - ba.distance), 2e-15 * scale(pair)) << pair;
+    EXPECT_EQ(fault(ab, pair, distance, tolerance(), finds()), "") << pair;
+    EXPECT_EQ(fault(ba, {pair.family, pair.b, pair.a}, distance, tolerance(), finds()), "") << "swapped " << pair;
+    if (finds()) {
+      EXPECT_LE(std::fabs(ab.distance - ba.distance), .2 * tolerance() * scale(pair)) << pair;
     }
     worst = std::max(worst, std::fabs(ab.distance - distance) / scale(pair));
   }
@@ -48,8 +45,9 @@ TEST(Iterative, IsWithinATenthOfAnEdgeOfTheReference) {
 }
 
 TEST_P(EveryKernel, ScalesBitForBitWithPowersOfTwo) {
+  const bool is_float = GetParam().precision == "float"; // products of four lengths must stay in its range
   for (const auto& [pair, distance] : reference_pairs())
-    for (const int power : {-60, -7, 1, 50}) {
+    for (const int power : {is_float ? -4 : -60, -3, 1, is_float ? 7 : 50}) {
       const double f = std::ldexp(1, power);
       const auto scaled = [&](const Triangle& t) { return Triangle{f * t.a0, f * t.a1, f * t.a2}; };
       const Closest one = solve(GetParam(), pair.a, pair.b), other = solve(GetParam(), scaled(pair.a), scaled(pair.b));
