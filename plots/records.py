@@ -75,7 +75,7 @@ def _verdict(record: dict, why: str) -> tuple[str, str]:
         return "failed", record.get("reason", why)
     if record["check"]["passed"] is not True:
         return "check failed", ", ".join(how["what"] for how in record["check"]["how"] if not how["passed"])
-    if record["placement"]["oversubscribed"]:
+    if record.get("placement", {}).get("oversubscribed"):
         return "oversubscribed", f"{record['placement']['asked_threads']} threads on fewer cores"
     if not record["samples"]:
         return "failed", "no sample"

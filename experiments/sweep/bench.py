@@ -85,13 +85,18 @@ def _describe(program: Program, path: Path, root: Path) -> Bench:
         if line.startswith("  ") and variants:
             names.add(line.strip().partition(":")[0])
         elif line:
-            names = variants.setdefault(line.strip().removesuffix("s").replace(" ", "_"), set())
+            names = variants.setdefault(_singular(line.strip()).replace(" ", "_"), set())
     if "runtime" in variants:
         variants["runtime"].add("default")
     if not set(variants) & set(program.parameters):
         raise SweepError(f"{path} --list names no {', '.join(k for k, p in program.parameters.items() if p.names)}. "
                          "Build it again.")
     return Bench(program, path, variants, _commit(root))
+
+
+def _singular(title: str) -> str:
+    """"kernels" and "families" head the lists of the parameters kernel and family."""
+    return title.removesuffix("ies") + "y" if title.endswith("ies") else title.removesuffix("s")
 
 
 def _commit(root: Path) -> str | None:

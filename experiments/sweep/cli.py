@@ -1,4 +1,4 @@
-"""The command `sweep`: run, status, list, merge, import."""
+"""The command `sweep`: run, status, list, merge, import, schema."""
 import argparse
 import json
 import os
@@ -16,6 +16,7 @@ from sweep.process import Stop
 from sweep.progress import duration
 from sweep.runner import Interrupted, Runner, missing_states, set_aside_broken
 from sweep.spec import Spec, read_spec
+from sweep.spec_schema import spec_schema
 from sweep.status import BIGGER_MACHINE, CHECK_FAILED, FAILED, MISSING, NOT_AVAILABLE, PointStatus, status_of
 from sweep.store import Store
 
@@ -75,6 +76,8 @@ def _parser() -> Parser:
     old.add_argument("--out", type=Path, metavar="SPEC", help="the spec to write (default: print it)")
     specs = commands.add_parser("list", help="the specs there are")
     specs.set_defaults(command=_list)
+    schema = commands.add_parser("schema", help="print the JSON Schema of specs")
+    schema.set_defaults(command=_schema)
     return parser
 
 
@@ -219,6 +222,11 @@ def _list(_options: argparse.Namespace) -> int:
                   f"{read_spec(path).title}")
         except InputError as error:
             print(f"{path.stem:<12} {error}")
+    return 0
+
+
+def _schema(_options: argparse.Namespace) -> int:
+    print(json.dumps(spec_schema(), indent=1))
     return 0
 
 

@@ -1,4 +1,5 @@
-"""What a point may set: each parameter's option of the point program, its type and its names."""
+"""What a point may set: each parameter's option of the point program, its type and its names. After a change here,
+`sweep schema > experiments/schema/spec.json` brings the schema up to date."""
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -76,7 +77,13 @@ DEM_BENCH = Program("dem_bench", {
     "vtk_every_s": Parameter("--vtk-every", float, least=1e-9),
 }, exactly_one=(("scene", "scene_file"), ("steps", "end_s")))
 
-PROGRAMS = {program.name: program for program in (DEM_BENCH,)}
+KERNEL_BENCH = Program("kernel_bench", {
+    "kernel": Parameter("--kernel", str, ("brute", "brute-simd", "iterative", "hybrid-pair", "hybrid-batch")),
+    "family": Parameter("--family", str, ("random_sep", "random_far", "near", "crossing", "granulates")),
+    "repeats": Parameter("--repeats", int, least=1),
+})
+
+PROGRAMS = {program.name: program for program in (DEM_BENCH, KERNEL_BENCH)}
 
 
 def _not_finite(value: Any) -> bool:

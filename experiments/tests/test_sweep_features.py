@@ -267,3 +267,25 @@ def test_it_needs_no_python_package(bench):
     done = subprocess.run([command[0], "-S", *command[1:]], capture_output=True, text=True, env=bench.environment(),
                           check=False)  # -S: without Debian's packages
     assert done.returncode == 0, done.stderr
+
+
+KERNEL_BENCH = """#!/usr/bin/python3
+import json, sys
+if "--list" in sys.argv:
+    print("kernels\\n  brute: all features\\nfamilies\\n  near: in contact\\n  crossing: most cross")
+    sys.exit(0)
+call = dict(zip(sys.argv[1::2], sys.argv[2::2]))
+with open(call["--record"], "w") as file:
+    json.dump({"schema": "trigrain-record-1", "point_id": call["--point-id"], "status": "finished", "params": call,
+               "check": {"passed": True, "how": []}, "samples": [{"wall_s": 1, "cpu_s": 1, "pairs": 5}]}, file)
+"""
+
+
+def test_kernel_bench_is_swept_as_dem_bench_is(bench):
+    (bench.folder / "bin/kernel_bench").write_text(KERNEL_BENCH)
+    (bench.folder / "bin/kernel_bench").chmod(0o755)
+    bench.spec.write_text(json.dumps({"program": "kernel_bench", "fixed": {"repeats": 2}, "axes": {
+        "kernel": ["brute", "hybrid-pair"], "family": ["near", "crossing", "granulates"]}}))
+    assert "2 finished, 4 not available in this build" in bench.run("run").stdout
+    assert {record["params"]["--family"] for record in bench.records().values()} == {"near", "crossing"}
+    assert "kernel 'hybrid-pair'" in bench.run("status").stdout and "family 'granulates'" in bench.run("status").stdout

@@ -10,7 +10,6 @@ EXPERIMENTS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(EXPERIMENTS))
 from sweep.cli import main  # noqa: E402
 from sweep.errors import InputError  # noqa: E402
-from sweep.parameters import DEM_BENCH, PROGRAMS  # noqa: E402
 from sweep.points import expand  # noqa: E402
 from sweep.spec import read_spec  # noqa: E402
 
@@ -114,16 +113,22 @@ def test_a_preset_changes_single_keys_of_prepare_or_removes_it(tmp_path):
     assert read_spec(path, "full").prepare.end_s == 0.1
 
 
-def test_the_schema_knows_the_parameters_of_the_program():
-    known = SCHEMA["$defs"]["parameters"]
-    assert list(known) == list(DEM_BENCH.parameters) == SCHEMA["$defs"]["parameter_name"]["enum"]
-    assert SCHEMA["properties"]["program"]["enum"] == list(PROGRAMS)
-    for key, parameter in DEM_BENCH.parameters.items():
-        assert known[key]["type"] == {str: "string", int: "integer", float: "number"}[parameter.kind]
-        assert tuple(known[key].get("enum", ())) == parameter.names
-        assert known[key].get("minimum", float("-inf")) == parameter.least
+def test_the_schema_is_up_to_date(capsys):
+    assert main(["schema"]) == 0
+    assert capsys.readouterr().out == (EXPERIMENTS / "schema/spec.json").read_text(), "sweep schema > .../spec.json"
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     jsonschema.validate(GOOD, SCHEMA)
+
+
+def test_each_program_has_parameters_of_its_own(tmp_path):
+    spec = {"program": "kernel_bench", "axes": {"kernel": ["brute", "hybrid-pair"], "family": ["near"]}}
+    jsonschema.validate(spec, SCHEMA)
+    assert [point.params["kernel"] for point in expand(read_spec(write(tmp_path, spec)))] == ["brute", "hybrid-pair"]
+    for wrong, message in (({"threads": 1}, "unknown parameter 'threads'"), ({"family": "nera"}, "Did you mean 'near'?")):
+        with pytest.raises(InputError, match=".*") as error:
+            read_spec(write(tmp_path, {**spec, "axes": {"kernel": ["brute"]}, "fixed": wrong}))
+        assert message in str(error.value).replace("  ", " ")
+        assert not jsonschema.Draft202012Validator(SCHEMA).is_valid({**spec, "fixed": wrong})
 
 
 @pytest.mark.parametrize("path", SPECS, ids=[path.stem for path in SPECS])
