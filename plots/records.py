@@ -17,6 +17,7 @@ class NothingToDraw(Exception):
 class Point:
     """A point of a sweep. `state` is "finished" only if its record may be drawn; `why` says more about other states."""
     id: str
+    name: str
     params: dict[str, Any]
     state: str
     why: str
@@ -66,7 +67,7 @@ def _point(folder: Path, entry: dict) -> Point:
         state, why = ("missing", "its record is not there, or was changed by hand") if state == DRAWN else (state, why)
     else:
         state, why = _verdict(record, why)
-    return Point(entry["id"], entry["params"], state, why, record)
+    return Point(entry["id"], entry["name"], entry["params"], state, why, record)
 
 
 def _verdict(record: dict, why: str) -> tuple[str, str]:
