@@ -218,10 +218,10 @@ def _list(_options: argparse.Namespace) -> int:
     for path in sorted(SPECS.glob("*.json")):
         try:
             numbers = {preset: len(expand(read_spec(path, preset))) for preset in ("quick", "full")}
-            print(f"{path.stem:<12} {numbers['quick']:>4} points quick, {numbers['full']:>4} full: "
+            print(f"{path.stem:<18} {numbers['quick']:>4} points quick, {numbers['full']:>4} full: "
                   f"{read_spec(path).title}")
         except InputError as error:
-            print(f"{path.stem:<12} {error}")
+            print(f"{path.stem:<18} {error}")
     return 0
 
 

@@ -149,4 +149,4 @@ def test_full_has_the_published_sizes():
 
 def test_list_shows_every_spec(capsys):
     assert main(["list"]) == 0
-    assert len(capsys.readouterr().out.splitlines()) == len(SPECS) >= 5
+    assert len(capsys.readouterr().out.splitlines()) == len(SPECS) >= 7
