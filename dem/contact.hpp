@@ -10,8 +10,14 @@ struct Contact {
   Eigen::Vector3d point{0, 0, 0};      ///< midpoint of the closest points P on A and Q on B (m)
   Eigen::Vector3d normal{0, 0, 0};     ///< unit, from Q to P: towards A
   double overlap = 0;                  ///< sum of halos - |PQ| (m), > 0
+  double share = 1;                    ///< of a spring's energy: the spring holds k share overlap^2 / 2
+  double mass = 0;                     ///< effective mass of all contacts of the pair together (kg), for the dashpot
+  Eigen::Vector3d push{0, 0, 0};       ///< force of the spring on A over its stiffness (m): overlap * normal, but for
+                                       ///< crossing edges
+  Eigen::Vector3d couple{0, 0, 0};     ///< torque of the spring on A about `point` over its stiffness (m2)
   Eigen::Vector3d tangential{0, 0, 0}; ///< stretch of the tangential spring (m), kept from step to step
   Eigen::Vector3d force{0, 0, 0};      ///< on A (N); B gets the opposite
+  Eigen::Vector3d torque{0, 0, 0};     ///< on A beside that of the force (N m); B gets the opposite
 };
 
 } // namespace trigrain

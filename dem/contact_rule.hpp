@@ -11,7 +11,8 @@ namespace trigrain {
 struct ContactRule {
   std::string_view name;
   std::string_view about;
-  /// Reduces contacts[first...], all of one body pair in the order of (feature_a, feature_b), which are triangles.
+  /// Reduces contacts[first...], all of one body pair in the order of (feature_a, feature_b), which are triangles (0
+  /// for spheres), and sets their spring (`push`, `couple`, `share`) and `mass`. May find that none is left.
   void (*reduce)(const Particles& particles, std::vector<Contact>& contacts, std::size_t first);
 };
 

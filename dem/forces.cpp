@@ -28,12 +28,12 @@ void carry_springs(std::span<const Contact> last, std::span<Contact> contacts) {
 void contact_forces(const Particles& p, const ContactParameters& law, double step_s, std::span<Contact> contacts) {
   const double k = law.stiffness, kt = law.tangential_ratio * k;
   for (Contact& c : contacts) {
-    const double m_e = 1 / (p.inverse_mass[c.a] + p.inverse_mass[c.b]);
-    const double damping = 2 * law.damping_ratio * std::sqrt(k * m_e);
+    const double damping = 2 * law.damping_ratio * c.share * std::sqrt(k * c.mass);
     const double damping_t = damping * std::sqrt(law.tangential_ratio);
     const Vector3d relative = velocity_at(p, c.a, c.point) - velocity_at(p, c.b, c.point);
     const double separation_speed = relative.dot(c.normal);
-    const double f_n = std::max(0., k * c.overlap - damping * separation_speed);
+    const double pressed = c.push.dot(c.normal);
+    const double f_n = std::max(0., k * pressed - damping * separation_speed);
     const Vector3d slip = relative - separation_speed * c.normal;
     // The spring turns with the contact plane and keeps its length.
     const Vector3d in_plane = c.tangential - c.tangential.dot(c.normal) * c.normal;
@@ -47,7 +47,8 @@ void contact_forces(const Particles& p, const ContactParameters& law, double ste
       spring = kt > 0 ? (-f_t / kt).eval() : Vector3d::Zero().eval();
     }
     c.tangential = spring;
-    c.force = f_n * c.normal + f_t;
+    c.force = k * (c.push - pressed * c.normal) + f_n * c.normal + f_t;
+    c.torque = k * c.couple;
   }
 }
 
@@ -55,15 +56,15 @@ void add_contact_loads(const Particles& p, std::span<const Contact> contacts, Lo
   for (const Contact& c : contacts) {
     loads.force[c.a] += c.force;
     loads.force[c.b] -= c.force;
-    loads.torque[c.a] += (c.point - p.position[c.a]).cross(c.force);
-    loads.torque[c.b] -= (c.point - p.position[c.b]).cross(c.force);
+    loads.torque[c.a] += (c.point - p.position[c.a]).cross(c.force) + c.torque;
+    loads.torque[c.b] -= (c.point - p.position[c.b]).cross(c.force) + c.torque;
   }
 }
 
 double elastic_energy(const ContactParameters& law, std::span<const Contact> contacts) {
   double sum = 0;
   for (const Contact& c : contacts)
-    sum += law.stiffness / 2 * (c.overlap * c.overlap + law.tangential_ratio * c.tangential.squaredNorm());
+    sum += law.stiffness / 2 * (c.share * c.overlap * c.overlap + law.tangential_ratio * c.tangential.squaredNorm());
   return sum;
 }
 

@@ -11,8 +11,9 @@ namespace trigrain {
 void carry_springs(std::span<const Contact> last, std::span<Contact> contacts);
 
 /// Spring-dashpot with Coulomb friction (Cundall & Strack 1979): normal force
-/// max(0, k overlap + 2 zeta sqrt(k m_e) v_n), never attractive; tangential spring and dashpot of `tangential_ratio`
-/// times the normal ones, capped at mu times the normal force. Sets `force` and moves `tangential` on by step_s (s).
+/// max(0, k overlap + 2 zeta sqrt(k m) v_n) with the contact's `mass`, never attractive; tangential spring and dashpot
+/// of `tangential_ratio` times the normal ones, capped at mu times the normal force. Sets `force` and `torque` and
+/// moves `tangential` on by step_s (s).
 void contact_forces(const Particles& particles, const ContactParameters& law, double step_s,
                     std::span<Contact> contacts);
 

@@ -246,6 +246,7 @@ Mesh make_mesh(std::string name, std::vector<Vector3d> vertices, std::vector<Fac
   orient(mesh, parts);
   set_mass_properties(mesh, parts);
   move_to_body_frame(mesh);
+  mesh.features = find_features(mesh.vertices, mesh.faces);
   return mesh;
 }
 

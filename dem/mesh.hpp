@@ -1,4 +1,5 @@
 #pragma once
+#include "dem/shape_features.hpp"
 #include "kernels/triangles.hpp"
 #include <Eigen/Geometry>
 #include <array>
@@ -17,6 +18,7 @@ struct Mesh {
   std::vector<Eigen::Vector3d> vertices; ///< m, body frame
   std::vector<std::array<int, 3>> faces; ///< indices into vertices, counter-clockwise seen from outside
   std::vector<int> part;                 ///< per face: number of its connected piece of surface, from 0
+  ShapeFeatures features;                ///< corners and edges of the shape
   Triangles triangles;                   ///< the faces as the kernels want them, in the order of `faces`
   double volume = 0;                     ///< m3
   Eigen::Vector3d inertia{0, 0, 0};      ///< principal moments at density 1 (m5)

@@ -15,7 +15,7 @@ struct Options {
   std::string kernel = "hybrid-pair";
   std::string precheck = "sphere";
   std::string grid = "regular";
-  std::string contact_rule = "nearest";
+  std::string contact_rule = "features";
   std::string scheme = "serial";
   std::string runtime = "default"; ///< "tbb", "openmp", or the one the scheme was published with
   int threads = 1;

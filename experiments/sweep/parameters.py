@@ -64,7 +64,7 @@ DEM_BENCH = Program("dem_bench", {
     "kernel": Parameter("--kernel", str, ("brute", "brute-simd", "iterative", "hybrid-pair", "hybrid-batch", "sphere")),
     "precheck": Parameter("--precheck", str, ("none", "sphere", "box", "octree")),
     "grid": Parameter("--grid", str, ("none", "regular", "adaptive", "reluctant")),
-    "contact_rule": Parameter("--contact-rule", str, ("all-pairs", "dedupe", "nearest")),
+    "contact_rule": Parameter("--contact-rule", str, ("all-pairs", "dedupe", "nearest", "features")),
     "scheme": Parameter("--scheme", str, ("serial", "plain", "task")),
     "runtime": Parameter("--runtime", str, ("default", "tbb", "openmp")),
     "threads": Parameter("--threads", int, least=1),

@@ -1,0 +1,250 @@
+#include "dem/feature_contacts.hpp"
+#include "kernels/point_triangle.hpp"
+#include "kernels/segment.hpp"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace trigrain {
+namespace {
+
+using Eigen::Vector3d;
+using Point = Vec3<double>;
+
+Point vec3(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+Vector3d eigen(const Point& v) { return {v.x, v.y, v.z}; }
+
+/// Axis-parallel box of a triangle or an edge.
+struct Box {
+  Point low, high;
+  void extend(const Point& x) {
+    low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
+    high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
+  }
+  bool near(const Box& o, double reach) const {
+    return (low.x - o.high.x <= reach) & (o.low.x - high.x <= reach) & (low.y - o.high.y <= reach) &
+           (o.low.y - high.y <= reach) & (low.z - o.high.z <= reach) & (o.low.z - high.z <= reach);
+  }
+};
+
+struct Corner {
+  int vertex;
+  Point x;
+};
+struct Edge {
+  int index;
+  Point x0, x1;
+  Box box;
+};
+struct Facet {
+  int part;
+  Corners<double> x;
+  Box box;
+};
+
+/// What one body of a pair has near the other one, in the frame of A.
+struct Side {
+  const Mesh* mesh;
+  std::vector<int> faces, indices;
+  std::vector<Facet> facets;
+  std::vector<Corner> corners;
+  std::vector<Edge> edges;
+
+  /// Fills the lists from `faces`, which are sorted here; place(vertex) is where a vertex is.
+  template <class Place> void gather(const Place& place) {
+    const ShapeFeatures& features = mesh->features;
+    sort_unique(faces);
+    facets.clear(), corners.clear(), edges.clear();
+    for (const int f : faces) {
+      Facet facet{mesh->part[f], {}, {}};
+      for (int k = 0; k < 3; ++k) facet.x[k] = place(mesh->faces[f][k]);
+      facet.box = {facet.x[0], facet.x[0]};
+      facet.box.extend(facet.x[1]), facet.box.extend(facet.x[2]);
+      facets.push_back(facet);
+    }
+    collect(features.corner_of);
+    for (const int v : indices) corners.push_back({v, place(v)});
+    collect(features.edge_of);
+    for (const int e : indices) {
+      Edge edge{e, place(features.edges[e][0]), place(features.edges[e][1]), {}};
+      edge.box = {edge.x0, edge.x0};
+      edge.box.extend(edge.x1);
+      edges.push_back(edge);
+    }
+  }
+
+ private:
+  static void sort_unique(std::vector<int>& list) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  void collect(const std::vector<std::array<int, 3>>& of_face) {
+    indices.clear();
+    for (const int f : faces)
+      for (const int i : of_face[f])
+        if (i >= 0) indices.push_back(i);
+    sort_unique(indices);
+  }
+};
+
+/// Writes contacts found in the frame of A into the world's.
+class Writer {
+ public:
+  Writer(const Particles& p, const Contact& pair, std::vector<Contact>& contacts)
+      : a_(pair.a), b_(pair.b), origin_(p.position[pair.a]), turn_(p.orientation[pair.a].toRotationMatrix()),
+        contacts_(contacts) {}
+
+  /// P on A, Q on B; `push` and `couple` are those of Contact in the frame of A.
+  void add(int feature_a, int feature_b, const Vector3d& p, const Vector3d& q, double reach, double share,
+           const Vector3d& push, const Vector3d& couple) {
+    Contact& c = contacts_.emplace_back(Contact{.a = a_, .b = b_, .feature_a = feature_a, .feature_b = feature_b});
+    const double distance = (p - q).norm();
+    c.point = origin_ + turn_ * ((p + q) / 2);
+    c.normal = turn_ * ((p - q) / distance);
+    c.overlap = reach - distance;
+    c.share = share;
+    c.push = turn_ * push;
+    c.couple = turn_ * couple;
+  }
+  void add(int feature_a, int feature_b, const Vector3d& p, const Vector3d& q, double reach) {
+    const double distance = (p - q).norm();
+    add(feature_a, feature_b, p, q, reach, 1, (reach / distance - 1) * (p - q), Vector3d::Zero());
+  }
+
+ private:
+  int a_, b_;
+  Vector3d origin_;
+  Eigen::Matrix3d turn_;
+  std::vector<Contact>& contacts_;
+};
+
+/// Names of features that neither cut nor order of the faces can change within one mesh: corners by vertex, edges
+/// after them, whole pieces of surface below 0.
+int piece_name(int part) { return -1 - part; }
+int edge_name(const Side& side, int edge) { return static_cast<int>(side.mesh->vertices.size()) + edge; }
+
+/// Every corner against each piece of the other body, where that is nearest.
+void corners_against(const Side& mine, const Side& other, bool mine_is_a, double reach, Writer& writer) {
+  struct Nearest {
+    int part;
+    double d2;
+    Point from_corner;
+  };
+  static thread_local std::vector<Nearest> nearest;
+  for (const Corner& corner : mine.corners) {
+    nearest.clear();
+    const Box here{corner.x, corner.x};
+    for (const Facet& facet : other.facets) {
+      if (!here.near(facet.box, reach)) continue;
+      const Corners<double> seen{facet.x[0] - corner.x, facet.x[1] - corner.x, facet.x[2] - corner.x};
+      const Point from = closest_on_triangle_by_zones({0, 0, 0}, seen).point;
+      const double d2 = squared(from);
+      if (d2 >= reach * reach) continue;
+      const auto known =
+          std::find_if(nearest.begin(), nearest.end(), [&](const Nearest& n) { return n.part == facet.part; });
+      if (known == nearest.end())
+        nearest.push_back({facet.part, d2, from});
+      else if (d2 < known->d2)
+        *known = {facet.part, d2, from};
+    }
+    for (const Nearest& n : nearest) {
+      if (n.d2 == 0) continue; // crossing: the kernel has counted it
+      const Vector3d x = eigen(corner.x), y = x + eigen(n.from_corner);
+      if (mine_is_a)
+        writer.add(corner.vertex, piece_name(n.part), x, y, reach);
+      else
+        writer.add(piece_name(n.part), corner.vertex, y, x, reach);
+    }
+  }
+}
+
+Point closest_on_segment(const Point& x, const Point& x0, const Point& x1) {
+  return x0 + share_on_segment(x, x0, x1 - x0) * (x1 - x0);
+}
+
+double psi(double x) { return x * x * (3 - 2 * x); }
+double psi_slope(double x) { return 6 * x * (1 - x); }
+
+/// Overlap of an edge's end with the other edge, and the unit direction that takes A away.
+struct EndOverlap {
+  double overlap = 0;
+  Vector3d on_a{0, 0, 0}, normal{0, 0, 0};
+  double phi() const { return overlap * overlap; }
+};
+
+EndOverlap end_overlap(const Point& on_a, const Point& on_b, double reach) {
+  const Vector3d pq = eigen(on_a - on_b);
+  const double distance = pq.norm();
+  if (distance >= reach || distance == 0) return {};
+  return {reach - distance, eigen(on_a), pq / distance};
+}
+
+/// The term X of one pair of edges, and half its negative gradient: push and couple about the middle of PQ.
+void edges_cross(int feature_a, int feature_b, const Edge& e, const Edge& f, double reach, Writer& writer) {
+  const auto [s, t] = closest_on_segments(e.x0, e.x1, f.x0, f.x1);
+  if (!(s > 0 && s < 1 && t > 0 && t < 1)) return;
+  const Vector3d u = eigen(e.x1 - e.x0), v = eigen(f.x1 - f.x0);
+  const Vector3d p = eigen(e.x0) + s * u, q = eigen(f.x0) + t * v, r = p - q;
+  const double distance = r.norm(), overlap = reach - distance;
+  if (overlap <= 0 || distance == 0) return;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
+  const EndOverlap e0 = end_overlap(e.x0, closest_on_segment(e.x0, f.x0, f.x1), reach),
+                   e1 = end_overlap(e.x1, closest_on_segment(e.x1, f.x0, f.x1), reach),
+                   f0 = end_overlap(closest_on_segment(f.x0, e.x0, e.x1), f.x0, reach),
+                   f1 = end_overlap(closest_on_segment(f.x1, e.x0, e.x1), f.x1, reach);
+  const double phi = overlap * overlap;
+  const double a = std::min(1., (psi(1 - s) * e0.phi() + psi(s) * e1.phi()) / phi),
+               b = std::min(1., (psi(1 - t) * f0.phi() + psi(t) * f1.phi()) / phi);
+  const double share = (1 - a) * (1 - b);
+  if (share < 1e-12) return;                                             // parallel, or at an end: what rounding leaves
+  Vector3d push = (1 - a * b) * overlap / distance * r, couple(0, 0, 0); // couple about P
+  const auto relieve = [&](double weight, const EndOverlap& end) {
+    const Vector3d back = -weight * end.overlap * end.normal;
+    push += back;
+    couple += (end.on_a - p).cross(back);
+  };
+  if (a > 0) relieve((1 - b) * psi(1 - s), e0), relieve((1 - b) * psi(s), e1);
+  if (b > 0) relieve((1 - a) * psi(1 - t), f0), relieve((1 - a) * psi(t), f1);
+  // s and t of the closest points of two lines move with A by the implicit function theorem.
+  const double by_s = (1 - b) * psi_slope(s) * (e1.phi() - e0.phi()) / 2,
+               by_t = (1 - a) * psi_slope(t) * (f1.phi() - f0.phi()) / 2;
+  const double nn = u.cross(v).squaredNorm();
+  if ((by_s != 0 || by_t != 0) && nn > 0) {
+    push -= (by_s * (vv * u - uv * v) + by_t * (uv * u - uu * v)) / nn;
+    couple -= (by_s * vv + by_t * uv) / nn * u.cross(r);
+  }
+  couple += (r / 2).cross(push); // from P to the middle
+  writer.add(feature_a, feature_b, p, q, reach, share, push, couple);
+}
+
+} // namespace
+
+void keep_features(const Particles& particles, std::vector<Contact>& contacts, std::size_t first) {
+  static thread_local Side a, b; // scratch memory that has grown stays
+  const Contact pair = contacts[first];
+  a.mesh = particles.mesh[pair.a].get(), b.mesh = particles.mesh[pair.b].get();
+  a.faces.clear(), b.faces.clear();
+  for (std::size_t c = first; c < contacts.size(); ++c) {
+    if (a.faces.empty() || a.faces.back() != contacts[c].feature_a) a.faces.push_back(contacts[c].feature_a);
+    b.faces.push_back(contacts[c].feature_b);
+  }
+  contacts.resize(first);
+  const Eigen::Quaterniond to_a = particles.orientation[pair.a].conjugate();
+  const Eigen::Matrix3d turn = (to_a * particles.orientation[pair.b]).toRotationMatrix();
+  const Vector3d centre_b = to_a * (particles.position[pair.b] - particles.position[pair.a]);
+  a.gather([](int v) { return vec3(a.mesh->vertices[v]); });
+  b.gather([&](int v) { return vec3(turn * b.mesh->vertices[v] + centre_b); });
+  const double reach = particles.halo[pair.a] + particles.halo[pair.b];
+  Writer writer(particles, pair, contacts);
+  corners_against(a, b, true, reach, writer);
+  corners_against(b, a, false, reach, writer);
+  for (const Edge& e : a.edges)
+    for (const Edge& f : b.edges)
+      if (e.box.near(f.box, reach)) edges_cross(edge_name(a, e.index), edge_name(b, f.index), e, f, reach, writer);
+  std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(),
+            [](const Contact& l, const Contact& r) {
+              return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
+            });
+}
+
+} // namespace trigrain

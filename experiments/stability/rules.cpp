@@ -1,0 +1,171 @@
+#include "experiments/stability/rules.hpp"
+#include "dem/critical_step.hpp"
+#include "experiments/stability/setups.hpp"
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace trigrain {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double edge = .1, mass = 1, halo = 1e-3, reach = 2 * halo; // of the cubes below: m, kg
+
+Options with(const StudyRequest& request) { return {.contact_rule = request.contact_rule}; }
+
+/// A cube on a floor, both cut n x n; turned a little, so that no edges are parallel by accident.
+Scene cube_on_floor(int cut, const ContactParameters& contact, double step) {
+  Scene scene = empty_scene(2, contact, step);
+  Body cube = mesh_body(box({edge, edge, edge}, cut), mass, {0, edge / 2 + reach, 0}, halo);
+  cube.orientation = Eigen::AngleAxisd(.3, Vector3d::UnitY());
+  scene.bodies = {floor_body(.8, halo, cut), cube};
+  return scene;
+}
+
+/// The scene's step, or a fifth of what is stable for its first contacts under gravity if that is less.
+double safe_step(Scene scene, const StudyRequest& request) {
+  const double step = scene.time.step;
+  scene.time.step = 1e-3 * step;
+  for (Body& body : scene.bodies)
+    if (!body.fixed) body.position.y() -= 1e-6 * body.position.y();
+  Simulation sim(scene, with(request));
+  sim.step();
+  return std::min(step, contact_step_limit(sim.particles(), scene.contact, sim.contacts()) / 5);
+}
+
+/// How a cube stands, falls and rebounds on its face.
+struct FaceContact {
+  double overlap, contact_time, restitution, critical_step;
+};
+
+FaceContact face_contact(const StudyRequest& request, int cut) {
+  constexpr double k = 1e6, zeta = .2, speed = .1;
+  const double step = std::numbers::pi * std::sqrt(mass / k) / 4 / request.steps_per_contact;
+  FaceContact found{};
+  Scene still = cube_on_floor(cut, {.stiffness = k, .damping_ratio = .5, .friction = .5}, step);
+  still.gravity = {0, -9.81, 0};
+  Simulation standing(still, with(request));
+  standing.run(4000);
+  double height = 0; // what rocks is averaged
+  for (int i = 0; i < 400; ++i) standing.step(), height += standing.particles().position[1].y() / 400;
+  found.overlap = edge / 2 + reach - height;
+  Scene falling = cube_on_floor(cut, {.stiffness = k, .damping_ratio = zeta, .friction = 0}, step);
+  falling.bodies[1].velocity = {0, -speed, 0};
+  Simulation rebound(falling, with(request));
+  double touched = 0;
+  while (rebound.time() < 4e-2 && !(touched > 0 && rebound.contacts().empty())) {
+    rebound.step();
+    if (!rebound.contacts().empty()) touched += step;
+  }
+  found.contact_time = touched;
+  found.restitution = rebound.particles().velocity[1].y() / speed;
+  found.critical_step = contact_step_limit(standing.particles(), still.contact, standing.contacts());
+  return found;
+}
+
+} // namespace
+
+std::vector<Metric> tessellation(const StudyRequest& request) {
+  const FaceContact whole = face_contact(request, 1), cut = face_contact(request, static_cast<int>(request.value));
+  const auto change = [](double now, double before) { return now / before - 1; };
+  return {{"overlap_change", change(cut.overlap, whole.overlap), .02},
+          {"contact_time_change", change(cut.contact_time, whole.contact_time), .02},
+          {"restitution_change", change(cut.restitution, whole.restitution), .02},
+          {"critical_step_change", change(cut.critical_step, whole.critical_step), .02},
+          {"restitution_error", whole.restitution - restitution(.2), {}}};
+}
+
+/// One cube is led around another along a closed path, turning all the while, through contact of corners, edges and
+/// faces; value: cut of the faces.
+std::vector<Metric> loop_work(const StudyRequest& request) {
+  constexpr int points = 40000;
+  const int cut = static_cast<int>(request.value);
+  Scene scene = empty_scene(2, {.stiffness = 1e4, .damping_ratio = 0, .friction = 0}, 1e-6);
+  for (const double y : {0., edge})
+    scene.bodies.push_back(mesh_body(box({edge, edge, edge}, cut), mass, {0, y, 0}, .1 * edge));
+  Probe probe(scene, request.contact_rule);
+  double worst = 0, most = 0;
+  for (int loop = 0; loop < 3; ++loop) {
+    const auto pose = [&](double t, Vector3d& x, Eigen::Quaterniond& q) {
+      const double w = 2 * std::numbers::pi * t, phase = loop + .37 * static_cast<double>(request.seed);
+      x = edge *
+          Vector3d(.35 * std::sin(w + phase), 1.15 + .05 * std::sin(2 * w + phase), .3 * std::cos(w) + .2 * loop);
+      const Vector3d turn(.06 * std::sin(w), .5 * loop + .4 * std::sin(w + 2 * phase), .06 * std::sin(3 * w + phase));
+      q = Eigen::AngleAxisd(turn.norm(), turn.normalized());
+    };
+    double work = 0;
+    Vector3d x0, x1, x;
+    Eigen::Quaterniond q0, q1, q;
+    pose(0, x0, q0);
+    for (int i = 0; i < points; ++i) {
+      pose((i + 1.) / points, x1, q1);
+      pose((i + .5) / points, x, q);
+      probe.place(x, q);
+      probe.evaluate();
+      const Eigen::AngleAxisd turned(q1 * q0.conjugate());
+      work += probe.force.dot(x1 - x0) + probe.torque.dot(turned.angle() * turned.axis());
+      most = std::max(most, probe.energy);
+      x0 = x1, q0 = q1;
+    }
+    worst = std::max(worst, std::abs(work));
+  }
+  return {{"loop_work", worst / most, 1e-6}, {"stored_J", most, {}}};
+}
+
+/// A cube at rest on a face: where its force acts and how it turns; value: cut of the faces.
+std::vector<Metric> face_rest(const StudyRequest& request) {
+  const double k = 1e6, step = std::numbers::pi * std::sqrt(mass / k) / 4 / request.steps_per_contact;
+  Scene scene =
+      cube_on_floor(static_cast<int>(request.value), {.stiffness = k, .damping_ratio = .5, .friction = .5}, step);
+  scene.gravity = {0, -9.81, 0};
+  Simulation sim(scene, with(request));
+  sim.run(4000);
+  const double weight = mass * 9.81;
+  Vector3d low = Vector3d::Constant(1e300), high = -low;
+  double torque = 0;
+  for (int i = 0; i < 1000; ++i) {
+    sim.step();
+    const Particles& p = sim.particles();
+    Vector3d force = Vector3d::Zero(), about_centre = force, point = force;
+    double pressed = 0;
+    for (const Contact& c : sim.contacts()) {
+      force -= c.force, about_centre -= (c.point - p.position[1]).cross(c.force) + c.torque;
+      pressed += c.force.norm(), point += c.force.norm() * c.point;
+    }
+    if (pressed > 0) point /= pressed;
+    low = low.cwiseMin(point), high = high.cwiseMax(point);
+    torque = std::max(torque, about_centre.norm());
+  }
+  return {{"wander_of_edge", (high - low).norm() / edge, 1e-6},
+          {"torque_of_weight_edge", torque / (weight * edge), 1e-6}};
+}
+
+/// Ten cubes on each other; value: cut of the faces.
+std::vector<Metric> stack(const StudyRequest& request) {
+  constexpr int boxes = 10;
+  const double k = 1e7, step = std::numbers::pi * std::sqrt(mass / k) / 4 / request.steps_per_contact, g = 9.81;
+  Scene scene = empty_scene(4, {.stiffness = k, .damping_ratio = .5, .friction = .5}, step);
+  scene.gravity = {0, -g, 0};
+  scene.bodies = {floor_body(.8, halo, static_cast<int>(request.value))};
+  for (int i = 0; i < boxes; ++i)
+    scene.bodies.push_back(mesh_body(box({edge, edge, edge}, static_cast<int>(request.value)), mass,
+                                     {0, (i + .5) * edge + (i + 1) * reach, 0}, halo));
+  scene.time.step = safe_step(scene, request);
+  Simulation sim(scene, with(request));
+  while (sim.time() < 50000 * step) sim.step();
+  const Particles& p = sim.particles();
+  double height = 0, lateral = 0, y = 0;
+  for (int i = 0; i < boxes; ++i) { // the lowest stands on its four corners; between two, the corners of both meet
+    y += (i ? edge : edge / 2) + reach - (boxes - i) * mass * g / ((i ? 8 : 4) * k);
+    height = std::max(height, std::abs(p.position[i + 1].y() / y - 1));
+    lateral = std::max(lateral, std::hypot(p.position[i + 1].x(), p.position[i + 1].z()) / edge);
+  }
+  const double kinetic = sim.energy().kinetic / (mass * g * mass * g / (4 * k));
+  return {{"height_error", height, 1e-6},
+          {"lateral_of_edge", lateral, 1e-6},
+          {"kinetic_of_m_g_overlap", kinetic, 1e-9},
+          {"contacts", static_cast<double>(sim.contacts().size()), {}}};
+}
+
+} // namespace trigrain
