@@ -1,5 +1,5 @@
 #include "experiments/stability/rules.hpp"
-#include "dem/critical_step.hpp"
+#include "dem/contact_step_limit.hpp"
 #include "experiments/stability/setups.hpp"
 #include <algorithm>
 #include <cmath>
