@@ -90,4 +90,32 @@ Team::Team(const Runtime& runtime, int threads) : runtime_(runtime), threads_(th
 
 Team::~Team() = default;
 
+void Team::parallel_for(int count, int grain, RangeBody body) {
+  if (!observer_) return runtime_.parallel_for(*this, count, grain, body);
+  observer_->end(phase_);
+  runtime_.parallel_for(*this, count, grain, [&](int begin, int end, int worker) {
+    const ObservedPiece piece(observer_, phase_);
+    body(begin, end, worker);
+  });
+  observer_->begin(phase_);
+}
+
+void Team::produce(Producer producer, Consumer consumer) {
+  if (!observer_) return runtime_.produce(*this, producer, consumer);
+  observer_->end(phase_);
+  const auto observed_producer = [&](Spawn spawn) {
+    const ObservedPiece piece(observer_, phase_);
+    producer([&](const void* task) { // a runtime may run the task at once, on this thread
+      observer_->end(phase_);
+      spawn(task);
+      observer_->begin(phase_);
+    });
+  };
+  runtime_.produce(*this, observed_producer, [&](const void* task, int worker) {
+    const ObservedPiece piece(observer_, phase_);
+    consumer(task, worker);
+  });
+  observer_->begin(phase_);
+}
+
 } // namespace trigrain

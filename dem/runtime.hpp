@@ -1,4 +1,5 @@
 #pragma once
+#include "dem/phase_observer.hpp"
 #include <memory>
 #include <span>
 #include <string_view>
@@ -50,10 +51,17 @@ class Team {
   int threads() const { return threads_; }
 
   /// Shares [0, count) out in blocks of about `grain`; returns when all are done.
-  void parallel_for(int count, int grain, RangeBody body) { runtime_.parallel_for(*this, count, grain, body); }
+  void parallel_for(int count, int grain, RangeBody body);
   /// Producer-consumer: one thread runs `producer`, the others take what it spawns, and it helps once it has ended;
   /// returns when every task is done.
-  void produce(Producer producer, Consumer consumer) { runtime_.produce(*this, producer, consumer); }
+  void produce(Producer producer, Consumer consumer);
+
+  /// From now on `observer` (may be null) is told of every piece of the phase that the workers run. The caller's own
+  /// piece, which it has begun, is closed while it hands work out and waits.
+  void observe(const PhaseObserver* observer, Phase phase) {
+    observer_ = observer;
+    phase_ = phase;
+  }
 
   struct Arena; ///< what TBB needs to keep between calls
   Arena* arena() { return arena_.get(); }
@@ -61,6 +69,8 @@ class Team {
  private:
   const Runtime& runtime_;
   int threads_;
+  const PhaseObserver* observer_ = nullptr;
+  Phase phase_{};
   std::unique_ptr<Arena> arena_;
 };
 

@@ -15,14 +15,18 @@ namespace {
 
 constexpr int grain = 256; // contacts or bodies a worker takes at a time
 
-/// Adds the wall time of a scope to one phase.
-class PhaseTimer {
+/// A phase of a step: adds the wall time of the scope, and tells who observes.
+class PhaseScope {
  public:
-  PhaseTimer(StepStats& stats, Phase phase) : seconds_(stats.seconds[static_cast<std::size_t>(phase)]) {}
-  ~PhaseTimer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  PhaseScope(StepStats& stats, Phase phase, Team& team, const PhaseObserver* observer)
+      : seconds_(stats.seconds[static_cast<std::size_t>(phase)]), piece_(observer, phase) {
+    team.observe(observer, phase);
+  }
+  ~PhaseScope() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
  private:
   double& seconds_;
+  ObservedPiece piece_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
@@ -186,25 +190,25 @@ StepStats Simulation::step() {
   State& s = *state_;
   StepStats stats{.steps = 1};
   {
-    const PhaseTimer timer(stats, Phase::grid);
+    const PhaseScope scope(stats, Phase::grid, s.team, s.options.observer);
     s.update_grid(stats);
     s.step.last = s.step.now;
     s.step.now = s.control.next({s.particles, s.grid, s.loads, s.scene.gravity, s.scene.time.step, s.step.last});
   }
   {
-    const PhaseTimer timer(stats, Phase::detect);
+    const PhaseScope scope(stats, Phase::detect, s.team, s.options.observer);
     s.detect(stats);
   }
   {
-    const PhaseTimer timer(stats, Phase::merge);
+    const PhaseScope scope(stats, Phase::merge, s.team, s.options.observer);
     s.merge(stats);
   }
   {
-    const PhaseTimer timer(stats, Phase::forces);
+    const PhaseScope scope(stats, Phase::forces, s.team, s.options.observer);
     s.forces();
   }
   {
-    const PhaseTimer timer(stats, Phase::integrate);
+    const PhaseScope scope(stats, Phase::integrate, s.team, s.options.observer);
     s.integrate();
   }
   return stats;

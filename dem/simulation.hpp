@@ -19,7 +19,8 @@ struct Options {
   std::string scheme = "serial";
   std::string runtime = "default"; ///< "tbb", "openmp", or the one the scheme was published with
   int threads = 1;
-  int subdivision = 3; ///< k: a grid cell splits into k^3
+  int subdivision = 3;                     ///< k: a grid cell splits into k^3
+  const PhaseObserver* observer = nullptr; ///< told of every piece of work; outlives the simulation
 };
 
 /// Mechanical energy (J); elastic is what the contact springs hold.

@@ -15,6 +15,7 @@
 #include <sys/utsname.h>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 namespace trigrain {
 namespace {
@@ -36,6 +37,13 @@ struct Topology {
   Json cache_bytes(hwloc_obj_type_t type) const {
     const hwloc_obj_t cache = hwloc_get_obj_by_type(handle, type, 0);
     return cache ? Json(cache->attr->cache.size) : Json(nullptr);
+  }
+  /// The first hardware thread of every core, socket after socket, as the operating system numbers them.
+  std::vector<unsigned> core_cpus() const {
+    std::vector<unsigned> cpus;
+    for (int core = 0; core < count(HWLOC_OBJ_CORE); ++core)
+      cpus.push_back(hwloc_bitmap_first(hwloc_get_obj_by_type(handle, HWLOC_OBJ_CORE, core)->cpuset));
+    return cpus;
   }
   std::string cpu_name() const {
     for (const hwloc_obj_t object : {hwloc_get_obj_by_type(handle, HWLOC_OBJ_PACKAGE, 0), hwloc_get_root_obj(handle)})
@@ -84,6 +92,7 @@ Json describe_machine() {
           {"sockets", topology.count(HWLOC_OBJ_PACKAGE)},
           {"cores", topology.count(HWLOC_OBJ_CORE)},
           {"logical_cores", topology.count(HWLOC_OBJ_PU)},
+          {"core_cpus", topology.core_cpus()},
           {"caches_bytes",
            {{"l1d", topology.cache_bytes(HWLOC_OBJ_L1CACHE)},
             {"l2", topology.cache_bytes(HWLOC_OBJ_L2CACHE)},

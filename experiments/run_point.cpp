@@ -1,5 +1,6 @@
 #include "experiments/run_point.hpp"
 #include "experiments/counters.hpp"
+#include "experiments/likwid_marker.hpp"
 #include "experiments/vtk.hpp"
 #include "kernels/name_table.hpp"
 #include <algorithm>
@@ -45,14 +46,16 @@ Length length_of(const BenchRequest& request, const Scene& scene) {
 /// Everything that takes part in one sample.
 class Sampler {
  public:
-  Sampler(const PointResult& point, const BenchRequest& request, HardwareCounters& counters,
+  Sampler(const PointResult& point, const BenchRequest& request, HardwareCounters& counters, LikwidMarker& marker,
           const std::function<void(const Progress&)>& report)
       : point_(point), request_(request), length_(length_of(request, point.scene)), counters_(counters),
-        report_(report) {}
+        marker_(marker), report_(report) {}
 
   /// A fresh simulation, warmed up and run; `frames` may be null.
   Sample run(int number, FrameWriter* frames, FinalState& last) {
-    Simulation simulation(point_.scene, request_.options);
+    Options options = request_.options;
+    options.observer = marker_.observer();
+    Simulation simulation(point_.scene, options);
     simulation.run(request_.warmup);
     const double start = simulation.time();
     Sample sample;
@@ -84,9 +87,11 @@ class Sampler {
     const auto watched_until = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
     const UsageMeter meter;
     counters_.start();
+    marker_.start();
     do sample.stats += simulation.step();
     while (!length_.reached(sample.stats.steps, simulation.time() - start) && simulation.time() < next_frame &&
            !(report_ && std::chrono::steady_clock::now() > watched_until));
+    marker_.stop();
     counters_.stop();
     sample.used += meter.stop();
   }
@@ -95,6 +100,7 @@ class Sampler {
   const BenchRequest& request_;
   const Length length_;
   HardwareCounters& counters_;
+  LikwidMarker& marker_;
   const std::function<void(const Progress&)>& report_;
 };
 
@@ -138,6 +144,7 @@ Scene warmed_up(const Scene& scene, const BenchRequest& request) {
 
 PointResult run_point(const BenchRequest& request, const std::function<void(const Progress&)>& report) {
   HardwareCounters counters; // before the first thread, so that it counts all of them
+  LikwidMarker marker;
   PointResult point;
   point.started_utc = utc_now();
   point.params = params_of(request);
@@ -160,11 +167,17 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
     std::optional<FrameWriter> frames;
     if (!request.vtk.empty()) frames.emplace(request.vtk);
     if (frames) point.warnings.push_back("frames were written during the first sample: not a clean timing");
-    Sampler sampler(point, request, counters, report);
+    Sampler sampler(point, request, counters, marker, report);
     for (int number = 0; number < request.repeats; ++number)
       point.samples.push_back(sampler.run(number, number == 0 && frames ? &*frames : nullptr, point.final_state));
     point.check.how.push_back(check_samples(point.samples));
     point.check.how.push_back(check_crossings(point.samples.back()));
+    if (marker.active()) {
+      point.warnings.push_back("LIKWID counted: not a clean timing");
+      point.check.how.push_back(
+          {"regions", marker.trouble().empty(),
+           "LIKWID, per phase and thread: " + (marker.trouble().empty() ? std::string("as asked") : marker.trouble())});
+    }
     if (const int outside = point.samples.back().bodies_outside)
       point.warnings.push_back(std::to_string(outside) + " bodies ended outside of the domain");
   }

@@ -25,6 +25,8 @@ TEST(Machine, topology_is_what_hwloc_says) {
   EXPECT_EQ(machine["sockets"], 2);
   EXPECT_EQ(machine["cores"], 16);
   EXPECT_EQ(machine["logical_cores"], 32);
+  EXPECT_EQ(machine["core_cpus"].size(), 16u);
+  EXPECT_EQ(machine["core_cpus"][15], 30);
   EXPECT_EQ(machine["caches_bytes"]["l1d"], 32768);
   EXPECT_EQ(machine["caches_bytes"]["l2"], 1048576);
   EXPECT_EQ(machine["caches_bytes"]["l3"], 33554432);
