@@ -1,4 +1,4 @@
-"""The command `sweep`: run, status, list, merge, import, schema."""
+"""The command `sweep`: run, status, counters, list, merge, import, schema."""
 import argparse
 import json
 import os
@@ -9,6 +9,7 @@ from pathlib import Path
 from sweep import status
 from sweep.aliases import import_ini
 from sweep.bench import Bench, find_bench, usable_cores
+from sweep.counters import Counting, load_counters
 from sweep.errors import InputError, SweepError, nearest
 from sweep.merge import merge
 from sweep.points import Point, expand, select
@@ -17,7 +18,7 @@ from sweep.progress import duration
 from sweep.runner import Interrupted, Runner, missing_states, set_aside_broken
 from sweep.spec import Spec, read_spec
 from sweep.spec_schema import spec_schema
-from sweep.status import BIGGER_MACHINE, CHECK_FAILED, FAILED, MISSING, NOT_AVAILABLE, PointStatus, status_of
+from sweep.status import BIGGER_MACHINE, CHECK_FAILED, FAILED, FINISHED, MISSING, NOT_AVAILABLE, PointStatus, status_of
 from sweep.store import Store
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -70,6 +71,11 @@ def _parser() -> Parser:
     join.set_defaults(command=_merge)
     _common(join)
     join.add_argument("others", nargs="+", type=Path, metavar="RESULTS", help="results folders of other runs")
+    counted = commands.add_parser("counters", help="count hardware events of finished points, in runs of their own")
+    counted.set_defaults(command=_counters)
+    _common(counted)
+    counted.add_argument("--only", action="append", default=[], metavar="K=V[,V]", help="only points with these values")
+    counted.add_argument("--fresh", action="store_true", help="count again what has been counted")
     old = commands.add_parser("import", help="make a spec of an option file (INI) of the ancestor's sweeps")
     old.set_defaults(command=_import)
     old.add_argument("file", type=Path)
@@ -174,6 +180,30 @@ def _merge(options: argparse.Namespace) -> int:
         status.write_index(store, spec, statuses, options.cores)
     print("\n".join(told))
     print(f"{spec.name} ({spec.preset}): {status.counts(statuses)}")
+    return 0
+
+
+def _counters(options: argparse.Namespace) -> int:
+    spec = _read(options)
+    bench = find_bench(spec.program, options.bin, ROOT)
+    store = Store(options.results, spec.name)
+    if spec.program.name != "dem_bench":
+        raise InputError(f"{spec.program.name} has no regions to count ({spec.name}.json: program). Name a spec of dem_bench.")
+    with store.lock():
+        counting = Counting(spec, store, bench, ROOT)
+        print(f"{spec.name} ({spec.preset}): {counting.sources()}")
+        done = 0
+        for point in select(expand(spec), options.only, None):
+            if status_of(point, store, bench, options.cores).state != FINISHED or \
+                    point.params.get("threads", 1) > options.cores:
+                continue
+            done += 1
+            if options.fresh or load_counters(store.counters_path(point.id), point.id) is None:
+                whole = counting.count(point, store.load(point.id)[0])["whole"]
+                found = [f"{name} {each['value']:.4g}" for name, each in whole.items() if each["status"] == "measured"]
+                print(f"{point.name}: {', '.join(found) or 'nothing, ' + whole['instructions']['reason']}", flush=True)
+    print(f"{spec.name} ({spec.preset}): {done} points counted" if done else
+          f"{spec.name} ({spec.preset}): no finished point; sweep run comes first")
     return 0
 
 

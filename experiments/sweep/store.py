@@ -23,7 +23,7 @@ DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 class Store:
     """Where a sweep keeps what it found:
     RESULTS/SPEC/ID.json a record, RESULTS/SPEC/index.json the state of every point, RESULTS/SPEC/frames/ID/ pictures,
-    RESULTS/SPEC/sweep.log a line per point that ran, RESULTS/states/ID.json start states, shared by all specs."""
+    RESULTS/SPEC/counters/ID.json hardware counters of a point, RESULTS/SPEC/sweep.log a line per point that ran, RESULTS/states/ID.json start states, shared by all specs."""
 
     def __init__(self, results: Path, spec_name: str):
         self.folder = results / spec_name
@@ -38,6 +38,9 @@ class Store:
 
     def frames(self, id: str) -> Path:
         return self.folder / "frames" / id
+
+    def counters_path(self, id: str) -> Path:
+        return self.folder / "counters" / f"{id}.json"
 
     def load(self, id: str) -> tuple[dict | None, str | None]:
         """The record of a point, or None and, if there is a file that is no record, what is wrong with it."""
