@@ -1,0 +1,99 @@
+#include "kernels/brute.hpp"
+#include "kernels/name_table.hpp"
+#include "pairs.hpp"
+#include <array>
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace trigrain {
+
+namespace {
+
+/// Squares of squares of these lengths leave the range of float.
+bool out_of_range(const Kernel& kernel, const RandomFamily& family) {
+  return kernel.precision == "float" && (family.name.starts_with("scale_") || family.name.starts_with("sliver_"));
+}
+
+/// Brute force with a deliberate error.
+template <class Spoil> void spoiled(const PairList& list, const Query& query, Hits& hits, Spoil spoil) {
+  for (const PairIndex& index : list.pairs) {
+    const Triangle a = list.a[index.i], b = list.b[index.j];
+    Closest c = closest_by_brute_force(a, b);
+    spoil(c, scale({"", a, b}));
+    if (c.distance <= query.reach) hits.push_back({index.i, index.j, c});
+  }
+}
+
+std::string first_fault(std::string_view family, KernelFunction function) {
+  Kernel kernel = kernel_named("brute");
+  kernel.closest = function;
+  const std::array kernels{static_cast<const Kernel*>(&kernel)};
+  const std::vector<Tally> tallies = prove(row_named(random_families(), "family", family), kernels, 0, 200);
+  return tallies[0].faults == 0 ? "no fault" : tallies[0].examples[0];
+}
+
+} // namespace
+
+class RandomPairs : public testing::TestWithParam<RandomFamily> {};
+
+// A small share of what `kernel_proof --pairs 1000000` proves.
+TEST_P(RandomPairs, EveryKernelIsRight) {
+  std::vector<const Kernel*> chosen;
+  for (const Kernel& kernel : kernels())
+    if (!out_of_range(kernel, GetParam())) chosen.push_back(&kernel);
+  for (const Tally& tally : prove(GetParam(), chosen, 0, 1000))
+    EXPECT_EQ(tally.faults, 0) << testing::PrintToString(*tally.kernel) << ": " << tally.examples[0];
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, RandomPairs, testing::ValuesIn(random_families().begin(), random_families().end()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+// Every bar of the proof must catch a kernel that fails it alone.
+TEST(Proof, CatchesEachKindOfError) {
+  const auto caught = [](std::string_view family, const char* fault, KernelFunction function) {
+    const std::string found = first_fault(family, function);
+    EXPECT_EQ(found.find(fault), 0u) << "expected: " << fault << ", found: " << found;
+  };
+  caught("near_vf", "no fault",
+         [](const PairList& l, const Query& q, Hits& h, KernelCounts&) { spoiled(l, q, h, [](Closest&, double) {}); });
+  caught("random_sep", "distance wrong", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, q, h, [](Closest& c, double s) { // another pair of points, honestly bounded
+      const Vec3<double> by = .7e-14 * s / c.distance * (c.p - c.q);
+      c.p = c.p + by, c.q = c.q - by, c.distance += 1.4e-14 * s, c.upper += 1e-13 * s;
+    });
+  });
+  caught("random_sep", "a point off its triangle", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, q, h, [](Closest& c, double s) { c.p.x += 1e-13 * s, c.q.x += 1e-13 * s; });
+  });
+  caught("random_sep", "|p - q| off", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, q, h, [](Closest& c, double s) { c.distance += 1.01e-14 * s, c.upper += 2e-14 * s; });
+  });
+  caught("random_sep", "lower bound", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, q, h, [](Closest& c, double s) { c.lower = c.distance + 1e-15 * s; });
+  });
+  caught("random_sep", "upper bound", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, q, h, [](Closest& c, double s) { c.upper = c.distance - 1e-15 * s; });
+  });
+  caught("random_sep", "not finite", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, q, h, [](Closest& c, double) { c.q.y = std::numeric_limits<double>::quiet_NaN(); });
+  });
+  caught("touch_rounded", "false zero", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, q, h, [](Closest& c, double s) {
+      if (c.distance < 1e-14 * s) c.distance = c.lower = 0, c.q = c.p;
+    });
+  });
+  caught("touch_vf", "missed zero", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, q, h, [](Closest& c, double s) { c.distance = c.upper = 1e-16 * s; });
+  });
+  caught("random_mixed", "other bits", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, q, h, [](Closest& c, double s) { c.upper += s < 1e-3 ? 1e-15 : 0; }); // an absolute threshold
+  });
+  caught("random_sep", "contact missed", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, {.reach = std::nextafter(q.reach, 0)}, h, [](Closest&, double) {});
+  });
+  caught("random_sep", "contact invented", [](const PairList& l, const Query& q, Hits& h, KernelCounts&) {
+    spoiled(l, {.reach = std::nextafter(q.reach, everywhere)}, h, [](Closest&, double) {});
+  });
+}
+
+} // namespace trigrain
