@@ -28,7 +28,7 @@ template <class T> [[gnu::always_inline]] inline Solved<T> solved(const Triangle
               .near_reach = bits_of(abs(distance - reach) <= rounding),
               .touching = 0};
   if (const auto open = !(lower > T(0)); any_of(open)) {
-    const Pierced<T> pierced = pierce(a, b, pair.extent);
+    const Pierced<T> pierced = pierce(pair);
     const auto crossing = open & pierced.surely;
     s.answer.p = select(crossing, pierced.point, p);
     s.answer.q = select(crossing, pierced.point, q);

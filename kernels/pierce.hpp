@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/all_features.hpp"
+#include "kernels/triangle_pair.hpp"
 
 namespace trigrain {
 
@@ -9,28 +9,31 @@ template <class T> struct Pierced {
   Vec3<T> point; ///< m, where surely
 };
 
-/// Largest coordinate of the edges (m).
-template <class T> [[gnu::always_inline]] inline T edge_extent(const PreparedTriangle<T>& t) {
-  return max(max(largest_coordinate(t.edge[0]), largest_coordinate(t.edge[1])), largest_coordinate(t.edge[2]));
+template <class T> [[gnu::always_inline]] inline Corners<T> edges_of(const Corners<T>& t) {
+  return {t[1] - t[0], t[2] - t[1], t[0] - t[2]};
 }
 
 /// An edge of one triangle through the face of the other: signs of two heights and three volumes. Guigue, Devillers
 /// (2003) for the predicates. A value counts as signed if it is larger than its rounding can be: six products of which
 /// none exceeds 2 L L' extent (edges up to L and L', a difference of corners up to 2 extent), each good to 13 epsilon /
 /// 2 (corners and differences 6, Shewchuk's (1997) bound of the volume 7): 78 epsilon; 96 leaves a margin.
-template <class T> [[gnu::noinline, gnu::flatten]] Pierced<T> pierce(const PreparedTriangle<T>& a,
-                                                                     const PreparedTriangle<T>& b, const T& extent) {
-  const T unit = constant<T>(96 * epsilon_of<T>) * extent, la = edge_extent(a), lb = edge_extent(b);
+template <class T> [[gnu::noinline, gnu::flatten]] Pierced<T> pierce(const TrianglePair<T>& pair) {
+  const Corners<T>&a = pair.a, &b = pair.b, u = edges_of(a), v = edges_of(b);
+  const Vec3<T> normal_a = cross(u[0], u[1]), normal_b = cross(v[0], v[1]);
+  const auto longest = [](const Corners<T>& edges) {
+    return max(max(largest_coordinate(edges[0]), largest_coordinate(edges[1])), largest_coordinate(edges[2]));
+  };
+  const T unit = constant<T>(96 * epsilon_of<T>) * pair.extent, la = longest(u), lb = longest(v);
   const T volume_doubt = unit * la * lb, a_doubt = unit * lb * lb, b_doubt = unit * la * la;
   // volume[k][l]: edge k of A against edge l of B, (u x v).r
   std::array<std::array<T, 3>, 3> volume;
   std::array<T, 3> height_a, height_b; // corners of A over the plane of B, of B over that of A
   for (int k = 0; k < 3; ++k) {
-    for (int l = 0; l < 3; ++l) volume[k][l] = dot(cross(a.edge[k], b.edge[l]), b.corner[l] - a.corner[k]);
-    height_a[k] = dot(a.corner[k] - b.corner[0], b.normal);
-    height_b[k] = dot(b.corner[k] - a.corner[0], a.normal);
+    for (int l = 0; l < 3; ++l) volume[k][l] = dot(cross(u[k], v[l]), b[l] - a[k]);
+    height_a[k] = dot(a[k] - b[0], normal_b);
+    height_b[k] = dot(b[k] - a[0], normal_a);
   }
-  Pierced<T> r{.surely = extent < T(0), .surely_not = extent >= T(0), .point = a.corner[0]};
+  Pierced<T> r{.surely = la < T(0), .surely_not = la >= T(0), .point = a[0]};
   // An edge that nearly lies in the plane, or a face that is nearly flat, puts the point off by more than the rounding
   // of the corners: sines below this are left in doubt.
   T steepest = constant<T>(0.05);
@@ -50,10 +53,8 @@ template <class T> [[gnu::noinline, gnu::flatten]] Pierced<T> pierce(const Prepa
   };
   for (int k = 0; k < 3; ++k) {
     const int next = (k + 1) % 3;
-    try_edge(a.corner[k], a.edge[k], a_doubt, la * lb * lb, height_a[k], height_a[next], volume[k][0], volume[k][1],
-             volume[k][2]);
-    try_edge(b.corner[k], b.edge[k], b_doubt, lb * la * la, height_b[k], height_b[next], volume[0][k], volume[1][k],
-             volume[2][k]);
+    try_edge(a[k], u[k], a_doubt, la * lb * lb, height_a[k], height_a[next], volume[k][0], volume[k][1], volume[k][2]);
+    try_edge(b[k], v[k], b_doubt, lb * la * la, height_b[k], height_b[next], volume[0][k], volume[1][k], volume[2][k]);
   }
   return r;
 }
