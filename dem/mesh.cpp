@@ -227,13 +227,18 @@ void move_to_body_frame(Mesh& mesh) {
     if (turned) v = to_body * v;
     mesh.radius = std::max(mesh.radius, v.norm());
   }
-  const auto corner = [&](int v) -> Vec3<double> {
-    return {mesh.vertices[v].x(), mesh.vertices[v].y(), mesh.vertices[v].z()};
-  };
-  for (const Face& f : mesh.faces) mesh.triangles.push_back({corner(f[0]), corner(f[1]), corner(f[2])});
+  index_triangles(mesh);
 }
 
 } // namespace
+
+void index_triangles(Mesh& mesh) {
+  std::vector<Vec3<double>> vertices;
+  for (const Vector3d& v : mesh.vertices) vertices.push_back({v.x(), v.y(), v.z()});
+  mesh.triangles.clear();
+  for (const Face& f : mesh.faces) mesh.triangles.push_back({vertices[f[0]], vertices[f[1]], vertices[f[2]]});
+  mesh.octree = Octree(vertices, mesh.triangles.view());
+}
 
 Mesh make_mesh(std::string name, std::vector<Vector3d> vertices, std::vector<Face> faces) {
   check(name, vertices, faces);

@@ -1,6 +1,6 @@
 #pragma once
 #include "dem/shape_features.hpp"
-#include "kernels/triangles.hpp"
+#include "kernels/octree.hpp"
 #include <Eigen/Geometry>
 #include <array>
 #include <filesystem>
@@ -20,6 +20,7 @@ struct Mesh {
   std::vector<int> part;                 ///< per face: number of its connected piece of surface, from 0
   ShapeFeatures features;                ///< corners and edges of the shape
   Triangles triangles;                   ///< the faces as the kernels want them, in the order of `faces`
+  Octree octree;                         ///< boxes and octree of the triangles
   double volume = 0;                     ///< m3
   Eigen::Vector3d inertia{0, 0, 0};      ///< principal moments at density 1 (m5)
   Eigen::Vector3d origin{0, 0, 0};       ///< centre of mass in the shape's own frame (m)
@@ -34,6 +35,9 @@ struct Mesh {
 /// stay, for they do no harm to contact, but do not open a surface. A surface that is not closed, or encloses nothing,
 /// has volume 0. InputError if a vertex is not finite, an index is out of range or there are no faces.
 Mesh make_mesh(std::string name, std::vector<Eigen::Vector3d> vertices, std::vector<std::array<int, 3>> faces);
+
+/// Fills `triangles` and `octree` from vertices and faces.
+void index_triangles(Mesh& mesh);
 
 /// Cuboid of edge lengths `size` (m) about the origin; each face cut into subdivide x subdivide oblongs of two
 /// triangles.

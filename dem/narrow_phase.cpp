@@ -15,27 +15,6 @@ Vector3d to_body(const Particles& p, int body, const Vector3d& x) {
   return p.orientation[body].conjugate() * (x - p.position[body]);
 }
 
-// --- pre-checks
-
-bool any_bodies(const Particles&, BodyPair) { return true; }
-
-bool near_bodies(const Particles& p, BodyPair pair) {
-  const double r = p.radius[pair.a] + p.radius[pair.b] + p.halo[pair.a] + p.halo[pair.b];
-  return (p.position[pair.a] - p.position[pair.b]).squaredNorm() <=
-         r * r * (1 + 1e-12); // rounding must not lose a pair
-}
-
-void all_triangles(TrianglesView triangles, const Vec3<double>&, double, std::vector<int>& indices) {
-  indices.resize(triangles.size);
-  std::iota(indices.begin(), indices.end(), 0);
-}
-
-constexpr Precheck precheck_table[] = {
-    {"none", "every triangle pair of every candidate body pair", any_bodies, all_triangles},
-    {"sphere", "bounding spheres of the bodies, then triangles against the other body's sphere", near_bodies,
-     triangles_near_point},
-};
-
 // --- one body pair
 
 /// Appends the contact at `point` (world) with `pq` = P - Q, if it is shorter than reach. Taking P - Q from the body's
@@ -66,8 +45,8 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
   const TrianglesView triangles = particles.mesh[body]->triangles.view();
   const double r = particles.radius[sphere];
   const Vec3<double> centre = vec3(to_body(particles, body, particles.position[sphere]));
-  narrow.precheck->triangles(triangles, centre, r + buffer.reach, buffer.index_a);
-  for (int i : buffer.index_a) {
+  narrow.precheck->triangles(triangles, centre, r + buffer.reach, buffer.near);
+  for (int i : buffer.near) {
     ++buffer.kernel.triangle_pairs;
     const PointOnTriangle nearest = closest_point(centre, triangles[i]);
     const Vector3d to_centre = particles.orientation[body] * eigen(centre - nearest.point);
@@ -83,44 +62,36 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
 
 void collide_meshes(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer) {
   const Mesh &a = *particles.mesh[pair.a], &b = *particles.mesh[pair.b];
-  const double reach = buffer.reach;
-  // 1 triangles of each that may reach the other body's bounding sphere
+  // 1 triangle pairs that may be within reach, in the frame of A, where coordinates are as small as the bodies
   const Vector3d centre_b = to_body(particles, pair.a, particles.position[pair.b]);
-  narrow.precheck->triangles(a.triangles.view(), vec3(centre_b), particles.radius[pair.b] + reach, buffer.index_a);
-  if (buffer.index_a.empty()) return;
-  const Vector3d centre_a = to_body(particles, pair.b, particles.position[pair.a]);
-  narrow.precheck->triangles(b.triangles.view(), vec3(centre_a), particles.radius[pair.a] + reach, buffer.index_b);
-  if (buffer.index_b.empty()) return;
-  // 2 both in the frame of A, where coordinates are as small as the bodies
-  const TrianglesView all_a = a.triangles.view();
-  buffer.near_a.clear();
-  for (int i : buffer.index_a) buffer.near_a.push_back(all_a[i]);
   const Eigen::Matrix3d turn =
       (particles.orientation[pair.a].conjugate() * particles.orientation[pair.b]).toRotationMatrix();
-  buffer.vertices.resize(b.vertices.size());
-  for (std::size_t v = 0; v < b.vertices.size(); ++v) buffer.vertices[v] = vec3(turn * b.vertices[v] + centre_b);
-  buffer.near_b.clear();
-  for (int j : buffer.index_b) {
-    const auto& f = b.faces[j];
-    buffer.near_b.push_back({buffer.vertices[f[0]], buffer.vertices[f[1]], buffer.vertices[f[2]]});
-  }
-  // 3 the kernel
+  const Placement b_in_a{{vec3(turn.row(0)), vec3(turn.row(1)), vec3(turn.row(2))}, vec3(centre_b)};
+  Candidates& candidates = buffer.candidates;
+  narrow.precheck->pairs({a.triangles.view(), &a.octree}, {b.triangles.view(), &b.octree}, b_in_a, buffer.reach,
+                         candidates);
+  // 2 the kernel
   buffer.hits.clear();
-  closest_of_all(*narrow.kernel, buffer.near_a.view(), buffer.near_b.view(), {.reach = reach}, buffer.hits,
-                 buffer.kernel);
-  // 4 contacts in the world
+  narrow.kernel->closest({a.triangles.view(), candidates.b.view(), candidates.pairs}, {.reach = buffer.reach},
+                         buffer.hits, buffer.kernel);
+  if (buffer.hits.empty()) return;
+  // 3 contacts in the world
   const Eigen::Matrix3d to_world = particles.orientation[pair.a].toRotationMatrix();
   for (int k = 0; k < buffer.hits.size(); ++k) {
     const Hit hit = buffer.hits[k];
     const Vector3d p = eigen(hit.closest.p), q = eigen(hit.closest.q);
-    add_contact(pair, buffer.index_a[hit.i], buffer.index_b[hit.j],
-                particles.position[pair.a] + to_world * ((p + q) / 2), to_world * (p - q), buffer);
+    add_contact(pair, hit.i, candidates.number_b[hit.j], particles.position[pair.a] + to_world * ((p + q) / 2),
+                to_world * (p - q), buffer);
   }
 }
 
 } // namespace
 
-std::span<const Precheck> prechecks() { return precheck_table; }
+bool may_touch(const Particles& p, BodyPair pair, const Precheck& precheck) {
+  if (!precheck.spheres) return true;
+  const double r = p.radius[pair.a] + p.radius[pair.b] + p.halo[pair.a] + p.halo[pair.b];
+  return (p.position[pair.a] - p.position[pair.b]).squaredNorm() <= r * r * (1 + 1e-12); // rounding must lose no pair
+}
 
 void WorkerBuffer::clear() {
   contacts.clear();

@@ -1,24 +1,15 @@
 #pragma once
 #include "dem/contact_rule.hpp"
 #include "dem/grid.hpp"
-#include "kernels/kernels.hpp"
+#include "kernels/precheck.hpp"
 #include <span>
 #include <string_view>
 #include <vector>
 
 namespace trigrain {
 
-/// Cheap tests before the kernel. Conservative: the contacts are the same set as without them.
-struct Precheck {
-  std::string_view name;
-  std::string_view about;
-  /// May the two bodies touch?
-  bool (*bodies)(const Particles& particles, BodyPair pair);
-  /// Ascending indices of the triangles that may come closer than `reach` to the point (m, their frame).
-  void (*triangles)(TrianglesView triangles, const Vec3<double>& point, double reach, std::vector<int>& indices);
-};
-
-std::span<const Precheck> prechecks();
+/// May two bodies touch, as far as the pre-check can tell from their bounding spheres?
+bool may_touch(const Particles& particles, BodyPair pair, const Precheck& precheck);
 
 /// How body pairs are turned into contacts.
 struct NarrowPhase {
@@ -36,9 +27,8 @@ struct WorkerBuffer {
 
   double reach = 0; ///< of the pair at hand: sum of its halos (m)
   std::vector<BodyPair> pairs;
-  Triangles near_a, near_b;
-  std::vector<int> index_a, index_b;
-  std::vector<Vec3<double>> vertices;
+  Candidates candidates;
+  std::vector<int> near; ///< triangles near a sphere
   Hits hits;
 
   void clear();

@@ -78,11 +78,7 @@ Body scaled(Body body, double s) {
   mesh.inertia *= s * s * s * s * s;
   mesh.origin *= s;
   mesh.radius *= s;
-  mesh.triangles.clear();
-  const auto corner = [&](int v) -> Vec3<double> {
-    return {mesh.vertices[v].x(), mesh.vertices[v].y(), mesh.vertices[v].z()};
-  };
-  for (const auto& f : mesh.faces) mesh.triangles.push_back({corner(f[0]), corner(f[1]), corner(f[2])});
+  index_triangles(mesh);
   body.mesh = std::make_shared<const Mesh>(std::move(mesh));
   return body;
 }

@@ -9,7 +9,7 @@ void surviving_pairs(const Detection& d, int entry, WorkerBuffer& buffer) {
   buffer.pairs.clear();
   d.grid.pairs_of(entry, d.particles, buffer.pairs);
   buffer.candidate_pairs += static_cast<std::int64_t>(buffer.pairs.size());
-  std::erase_if(buffer.pairs, [&](BodyPair pair) { return !d.narrow.precheck->bodies(d.particles, pair); });
+  std::erase_if(buffer.pairs, [&](BodyPair pair) { return !may_touch(d.particles, pair, *d.narrow.precheck); });
   buffer.body_pairs += static_cast<std::int64_t>(buffer.pairs.size());
 }
 

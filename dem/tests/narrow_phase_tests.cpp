@@ -16,7 +16,7 @@ WorkerBuffer contacts_of(const Particles& particles, std::string_view kernel, st
   const NarrowPhase narrow{&kernel_named(kernel), &row_named(prechecks(), "pre-check", precheck),
                            &row_named(contact_rules(), "contact rule", rule)};
   WorkerBuffer buffer;
-  if (narrow.precheck->bodies(particles, {0, 1})) collide(particles, {0, 1}, narrow, buffer);
+  if (may_touch(particles, {0, 1}, *narrow.precheck)) collide(particles, {0, 1}, narrow, buffer);
   return buffer;
 }
 
@@ -52,7 +52,7 @@ TEST(Contact, ASphereAboveACubeTouchesItsFaceWhicheverComesFirst) {
     if (sphere_first) p.add(ball(.5, {.1, 1.05, .2}, .05));
     p.add(cube({0, 0, 0}, .05));
     if (!sphere_first) p.add(ball(.5, {.1, 1.05, .2}, .05));
-    for (const char* precheck : {"none", "sphere"}) {
+    for (const char* precheck : {"none", "sphere", "box", "octree"}) {
       const auto found = contacts_of(p, "brute", precheck, "nearest").contacts;
       ASSERT_EQ(found.size(), 1u);
       EXPECT_NEAR(found[0].overlap, .05, 1e-14);
@@ -106,12 +106,14 @@ TEST(Contact, PrechecksLeaveTheContactSetAsItIs) {
         grain.position = Vector3d(unit(random), unit(random), unit(random)).normalized() * (.9 + .2 * unit(random));
       p.add(grain);
     }
-    for (const char* kernel : {"brute", "hybrid-pair"}) {
-      const auto without = contacts_of(p, kernel, "none", "all-pairs"),
-                 with = contacts_of(p, kernel, "sphere", "all-pairs");
-      ASSERT_EQ(set_of(without.contacts), set_of(with.contacts)) << kernel << " trial " << trial;
-      ASSERT_LE(with.kernel.triangle_pairs, without.kernel.triangle_pairs);
-      touching += !with.contacts.empty();
+    for (const char* kernel : {"brute", "brute-simd", "hybrid-pair"}) {
+      const auto without = contacts_of(p, kernel, "none", "all-pairs");
+      for (const Precheck& precheck : prechecks()) {
+        const auto with = contacts_of(p, kernel, precheck.name, "all-pairs");
+        ASSERT_EQ(set_of(without.contacts), set_of(with.contacts)) << kernel << ' ' << precheck.name << ' ' << trial;
+        ASSERT_LE(with.kernel.triangle_pairs, without.kernel.triangle_pairs);
+      }
+      touching += !without.contacts.empty();
     }
   }
   EXPECT_GT(touching, 500u);
