@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -124,18 +125,24 @@ template <class T, class Minus> [[gnu::always_inline]] inline T load_difference(
   }
 }
 
-/// to[lane] = x[lane] + plus[lane], in double.
-template <class T> [[gnu::always_inline]] inline void store_sum(const T& x, const double* plus, double* to) {
-  using Wide = detail::Wide<T>;
-  constexpr int width = lanes_of<Wide>;
-  if constexpr (std::is_same_v<T, Wide>)
-    store(x + load<T>(plus), to);
-  else {
+/// to[0], to[1], ... = x[lane] + plus[lane], in double, for the lanes whose bit is set. Writes a whole pack: what
+/// follows the last of them is undefined.
+template <class T>
+[[gnu::always_inline]] inline void store_sum(const T& x, const double* plus, unsigned bits, double* to) {
+  std::array<double, lanes_of<T>> sum;
+  if constexpr (std::is_same_v<T, Lanes>) {
+    const T all = x + load<T>(plus);
+#ifdef __AVX512F__
+    store(T(_mm512_maskz_compress_pd(static_cast<__mmask8>(bits), static_cast<__m512d>(all))), to);
+    return;
+#endif
+    store(all, sum.data());
+  } else {
     std::array<ScalarOf<T>, lanes_of<T>> each;
     store(x, each.data());
-    for (int k = 0; k < detail::halves<T>; ++k)
-      store(load<Wide>(each.data() + k * width) + load<Wide>(plus + k * width), to + k * width);
+    for (int lane = 0; lane < lanes_of<T>; ++lane) sum[lane] = static_cast<double>(each[lane]) + plus[lane];
   }
+  for (; bits != 0; bits &= bits - 1) *to++ = sum[std::countr_zero(bits)];
 }
 
 template <class T> [[gnu::always_inline]] inline ScalarOf<T> lane_of(const T& x, int lane) {
@@ -174,6 +181,25 @@ template <class Mask> [[gnu::always_inline]] inline unsigned bits_of(const Mask&
       for (int lane = 0; lane < static_cast<int>(Mask::size()); ++lane) bits |= static_cast<unsigned>(m[lane]) << lane;
     return bits;
   }
+}
+
+/// to[0], to[1], ... = those of the eight elements whose bit is set; returns how many. Writes eight: what follows the
+/// last of them is undefined. Without branches where the machine can compress a register.
+template <class E> [[gnu::always_inline]] inline int store_selected(const std::array<E, 8>& x, unsigned bits, E* to) {
+  static_assert(sizeof(E) == 4 || sizeof(E) == 8);
+#if defined(__AVX512VL__)
+  if constexpr (sizeof(E) == 8)
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi64(static_cast<__mmask8>(bits), _mm512_loadu_si512(x.data())));
+  else
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+                        _mm256_maskz_compress_epi32(static_cast<__mmask8>(bits),
+                                                    _mm256_loadu_si256(reinterpret_cast<const __m256i*>(x.data()))));
+  return std::popcount(bits);
+#else
+  int n = 0;
+  for (; bits != 0; bits &= bits - 1) to[n++] = x[std::countr_zero(bits)];
+  return n;
+#endif
 }
 
 } // namespace trigrain

@@ -41,13 +41,28 @@ template <class T> class PairPack {
   }
 
   /// Appends the answers of the lanes whose bit is set, back in the world's frame.
-  void append(const PackAnswer<T>& answer, unsigned bits, Hits& hits) const {
+  [[gnu::flatten]] void append(const PackAnswer<T>& from, unsigned bits, Hits& hits) const {
     if (bits == 0) return;
     hits.reserve(lanes);
-    if (bits == (1u << lanes) - 1)
-      append_all(answer, hits);
-    else
-      append_some(answer, bits, hits);
+    static constexpr Column zero{};
+    int c = 0;
+    for (const T* x : {&from.p.x, &from.p.y, &from.p.z, &from.q.x, &from.q.y, &from.q.z}) {
+      store_sum(*x, origin_[c % 3].data(), bits, hits.next(static_cast<Hits::Column>(c)));
+      ++c;
+    }
+    store_sum(from.distance, zero.data(), bits, hits.next(Hits::distance));
+    store_sum(from.lower, zero.data(), bits, hits.next(Hits::lower));
+    store_sum(from.upper, zero.data(), bits, hits.next(Hits::upper));
+    std::array<int, lanes> feature;
+    store(from.feature, feature.data());
+    const int count = std::popcount(bits);
+    for (int k = 0; k < count; ++k, bits &= bits - 1) {
+      const int lane = std::countr_zero(bits);
+      hits.next_i()[k] = index_[lane].i;
+      hits.next_j()[k] = index_[lane].j;
+      hits.next_feature()[k] = feature[lane];
+    }
+    hits.added(count);
   }
 
  private:
@@ -97,43 +112,6 @@ template <class T> class PairPack {
       pair_.b[k] = corner(b);
     }
     pair_.extent = extent_of(pair_.a, pair_.b);
-  }
-
-  [[gnu::flatten]] void append_all(const PackAnswer<T>& from, Hits& hits) const {
-    static constexpr Column zero{};
-    int c = 0;
-    for (const T* x : {&from.p.x, &from.p.y, &from.p.z, &from.q.x, &from.q.y, &from.q.z}) {
-      store_sum(*x, origin_[c % 3].data(), hits.next(static_cast<Hits::Column>(c)));
-      ++c;
-    }
-    store_sum(from.distance, zero.data(), hits.next(Hits::distance));
-    store_sum(from.lower, zero.data(), hits.next(Hits::lower));
-    store_sum(from.upper, zero.data(), hits.next(Hits::upper));
-    store(from.feature, hits.next_feature());
-    int *i = hits.next_i(), *j = hits.next_j();
-    for (int lane = 0; lane < lanes; ++lane) {
-      i[lane] = index_[lane].i;
-      j[lane] = index_[lane].j;
-    }
-    hits.added(lanes);
-  }
-
-  [[gnu::flatten]] void append_some(const PackAnswer<T>& from, unsigned bits, Hits& hits) const {
-    std::array<std::array<ScalarOf<T>, lanes>, Hits::columns + 1> to;
-    int k = 0;
-    for (const T* x : {&from.p.x, &from.p.y, &from.p.z, &from.q.x, &from.q.y, &from.q.z, &from.distance, &from.lower,
-                       &from.upper, &from.feature})
-      store(*x, to[k++].data());
-    for (; bits != 0; bits &= bits - 1) {
-      const int lane = std::countr_zero(bits);
-      for (int c = 0; c < Hits::columns; ++c)
-        *hits.next(static_cast<Hits::Column>(c)) =
-            static_cast<double>(to[c][lane]) + (c < Hits::distance ? origin_[c % 3][lane] : 0);
-      *hits.next_i() = index_[lane].i;
-      *hits.next_j() = index_[lane].j;
-      *hits.next_feature() = static_cast<int>(to[Hits::columns][lane]);
-      hits.added(1);
-    }
   }
 
   std::span<const PairIndex> index_;

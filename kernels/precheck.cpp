@@ -14,14 +14,9 @@ using Point = Vec3<double>;
 /// What rounding can do to a distance between the two meshes, in units of the largest coordinate.
 constexpr double slack = 64 * epsilon;
 
-/// The largest coordinate (m) that two meshes have in A's frame, from their boxes.
+/// No coordinate of two meshes is larger in A's frame (m).
 double extent_of(const MeshView& a, const MeshView& b, const Placement& b_in_a) {
-  const auto largest = [](const Box& box) {
-    double x = 0;
-    for (int k = 0; k < 3; ++k) x = std::max({x, std::fabs(box.low[k]), std::fabs(box.high[k])});
-    return x;
-  };
-  return largest(a.octree->cut(0).box) + 2 * largest(b.octree->cut(0).box) + largest_coordinate(b_in_a.translation);
+  return a.octree->radius() + b.octree->radius() + std::sqrt(squared(b_in_a.translation));
 }
 
 Point placed(const Point& x, const Placement& at) {
@@ -109,7 +104,7 @@ struct Slab {
 /// Gilbert (1966): the point of the convex hull of B - A nearest to the origin, by steps towards supports; each gives a
 /// lower bound of the distance. Stops when the bound exceeds `reach` or is near the distance.
 Slab separating_slab(const MeshView& a, const MeshView& b, const Placement& at, double reach) {
-  constexpr int steps = 8;
+  constexpr int steps = 4;
   Slab best{{1, 0, 0}, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   Point w = at.translation;
   for (int step = 0; step < steps; ++step) {
@@ -148,7 +143,9 @@ Vec3<Octet> in_octet(const Point& x) { return {Octet(x.x), Octet(x.y), Octet(x.z
     const Octet furthest = max(max(dot(direction, x), dot(direction, y)), dot(direction, z));
     unsigned near = bits_of(furthest >= Octet(least));
     if (t.size - first < 8) near &= (1u << (t.size - first)) - 1;
-    for (; near != 0; near &= near - 1) indices[n++] = first + std::countr_zero(near);
+    std::array<int, 8> number;
+    for (int lane = 0; lane < 8; ++lane) number[lane] = first + lane;
+    n += store_selected(number, near, indices.data() + n);
   }
   indices.resize(n);
 }
@@ -183,14 +180,19 @@ void pairs_by_box(const MeshView& a, const MeshView& b, const Placement& at, dou
   triangles_beyond(b.triangles, back, dot(slab.u, at.translation) - slab.end_of_a - limit, c.near_b);
   place(b, at, c);
   const TrianglesView placed_b = c.b.view();
+  c.pairs.resize(c.near_a.size() * ((placed_b.size + 7) / 8) * 8 + 8);
+  int n = 0;
   for (int i : c.near_a) {
     const Triangle ta = a.triangles[i];
     for (int first = 0; first < placed_b.size; first += 8) {
       unsigned near = near_triangle(ta, corners_at(placed_b, first), limit, extent);
       if (placed_b.size - first < 8) near &= (1u << (placed_b.size - first)) - 1;
-      for (; near != 0; near &= near - 1) c.pairs.push_back({i, first + std::countr_zero(near)});
+      std::array<PairIndex, 8> pair;
+      for (int lane = 0; lane < 8; ++lane) pair[lane] = {i, first + lane};
+      n += store_selected(pair, near, c.pairs.data() + n);
     }
   }
+  c.pairs.resize(n);
 }
 
 // --- octree: both trees at once, the larger cut first

@@ -31,12 +31,11 @@ class Triangles {
   void clear() { size_ = 0; }
   void push_back(const Triangle& t) {
     const std::array<double, 9> c{t.a0.x, t.a0.y, t.a0.z, t.a1.x, t.a1.y, t.a1.z, t.a2.x, t.a2.y, t.a2.z};
-    const bool opens_block = size_ % lanes == 0;
-    for (int k = 0; k < 9; ++k) {
-      if (coordinate_[k].size() < static_cast<std::size_t>(size_ + 1)) coordinate_[k].resize(size_ + lanes);
-      if (opens_block) std::fill_n(coordinate_[k].begin() + size_, lanes, c[k]); // padding: finite whatever follows
-      coordinate_[k][size_] = c[k];
-    }
+    if (size_ == static_cast<int>(coordinate_[0].size()))
+      for (auto& column : coordinate_) column.resize(size_ + std::max(size_, lanes));
+    if (size_ % lanes == 0) // padding: finite whatever follows
+      for (int k = 0; k < 9; ++k) std::fill_n(coordinate_[k].begin() + size_, lanes, c[k]);
+    for (int k = 0; k < 9; ++k) coordinate_[k][size_] = c[k];
     ++size_;
   }
   int size() const { return size_; }
