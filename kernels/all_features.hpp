@@ -109,4 +109,9 @@ template <class T> [[gnu::always_inline]] inline Weights<T> weights_of(const Nea
   return z;
 }
 
+/// Weights of the closest points of a pair that does not cross.
+template <class T> [[gnu::always_inline]] inline Weights<T> closest_weights(const TrianglePair<T>& pair) {
+  return weights_of(nearest_feature(prepared(pair.a), prepared(pair.b)));
+}
+
 } // namespace trigrain

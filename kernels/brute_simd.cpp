@@ -19,8 +19,7 @@ template <class T> struct Solved {
 
 template <class T> [[gnu::always_inline]] inline Solved<T> solved(const TrianglePair<T>& pair, double reach_of_query) {
   const T reach = constant<T>(reach_of_query), rounding = constant<T>(certificate_rounding<T>) * pair.extent;
-  const PreparedTriangle<T> a = prepared(pair.a), b = prepared(pair.b);
-  const Weights<T> z = weights_of(nearest_feature(a, b));
+  const Weights<T> z = closest_weights(pair);
   const auto [p, q] = points_at(pair, z);
   const T distance = sqrt(squared(p - q)), lower = min(proven_gap(gap_along(p - q, pair), pair.extent), distance);
   Solved<T> s{.answer = {p, q, distance, lower, distance + rounding, feature_of(z)},

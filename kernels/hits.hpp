@@ -58,6 +58,13 @@ class Hits {
     feature_[size_++] = c.feature | (c.fell_back ? fell_back : 0);
   }
 
+  /// Drops all but the first `count`.
+  void cut(int count) { size_ = count; }
+  /// Says of all from number `first` on that their kernel fell back.
+  void mark_fallen_back(int first) {
+    for (int k = first; k < size_; ++k) feature_[k] |= fell_back;
+  }
+
   // For kernels: room for `count` more, where the next ones go, and that they are there.
   static constexpr int fell_back = 64; ///< bit beside Features in the column of features
   void reserve(int count) {

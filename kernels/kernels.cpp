@@ -1,5 +1,6 @@
 #include "kernels/kernels.hpp"
 #include "kernels/brute.hpp"
+#include "kernels/brute_mixed.hpp"
 #include "kernels/brute_simd.hpp"
 #include "kernels/hybrid.hpp"
 #include "kernels/iterative.hpp"
@@ -47,11 +48,28 @@ template <class T> constexpr Kernel iterative_row() {
           730,         bytes_per_pair};
 }
 
-template <class T> constexpr Kernel hybrid_row() {
-  return {"hybrid-pair", precision_of<T>,
-          lanes_of<T>,   "Newton, proven per pair by a separating plane or redone by brute force; Krestenitis (2018)",
-          true,          hybrid_pair<T>,
-          1590,          bytes_per_pair};
+template <class Float, class Double> constexpr Kernel mixed_row() {
+  return {"brute-simd",
+          "mixed",
+          lanes_of<Float>,
+          "far pairs dropped in float with a proven bound, the rest as in double",
+          true,
+          brute_mixed<Float, Double>,
+          1400,
+          bytes_per_pair};
+}
+
+template <class T> constexpr Kernel hybrid_row(std::string_view name, std::string_view about, KernelFunction closest) {
+  return {name, precision_of<T>, lanes_of<T>, about, true, closest, 1590, bytes_per_pair};
+}
+template <class T> constexpr Kernel hybrid_pair_row() {
+  return hybrid_row<T>("hybrid-pair",
+                       "Newton, proven per pair by a separating plane or redone by brute force; Krestenitis (2018)",
+                       hybrid_pair<T>);
+}
+template <class T> constexpr Kernel hybrid_batch_row() {
+  return hybrid_row<T>("hybrid-batch", "the same, a batch proven or redone as a whole; Krestenitis (2018)",
+                       hybrid_batch<T>);
 }
 
 constexpr std::array table{
@@ -65,16 +83,22 @@ constexpr std::array table{
     brute_simd_row<Pack<float, 4>>(),
     brute_simd_row<Pack<float, 8>>(),
     brute_simd_row<Pack<float, 16>>(),
+    mixed_row<float, double>(),
+    mixed_row<Pack<float, 8>, Pack<double, 4>>(),
+    mixed_row<Pack<float, 16>, Pack<double, 8>>(),
     iterative_row<double>(),
     iterative_row<Pack<double, 4>>(),
     iterative_row<Pack<double, 8>>(),
-    hybrid_row<double>(),
-    hybrid_row<Pack<double, 4>>(),
-    hybrid_row<Pack<double, 8>>(),
+    hybrid_pair_row<double>(),
+    hybrid_pair_row<Pack<double, 4>>(),
+    hybrid_pair_row<Pack<double, 8>>(),
+    hybrid_batch_row<double>(),
+    hybrid_batch_row<Pack<double, 4>>(),
+    hybrid_batch_row<Pack<double, 8>>(),
 };
 
 /// As many lanes as fill a register.
-int native_lanes(std::string_view precision) { return precision == "float" ? float_lane_count : lane_count; }
+int native_lanes(std::string_view precision) { return precision == "double" ? lane_count : float_lane_count; }
 
 } // namespace
 
@@ -100,12 +124,15 @@ void closest_of_all(const Kernel& kernel, TrianglesView a, TrianglesView b, cons
 const Kernel& kernel_named(std::string_view name, std::string_view precision, int lanes) {
   row_named(table, "kernel", name);
   std::string known;
+  const Kernel* widest = nullptr;
   for (const Kernel& row : table) {
     if (row.name != name) continue;
-    const int wanted = lanes > 0 ? lanes : row.name == "brute" ? 1 : native_lanes(precision);
-    if (row.precision == precision && row.lanes == wanted) return row;
     known += (known.empty() ? "" : ", ") + std::string(row.precision) + " with " + std::to_string(row.lanes) + " lanes";
+    if (row.precision != precision) continue;
+    if (row.lanes == lanes) return row;
+    if (row.lanes <= native_lanes(precision) && (!widest || row.lanes > widest->lanes)) widest = &row;
   }
+  if (lanes == 0 && widest) return *widest;
   throw InputError("kernel '" + std::string(name) + "' does not come in precision '" + std::string(precision) + "'" +
                    (lanes == 0 ? "" : " with " + std::to_string(lanes) + " lanes") + ". Known: " + known + ".");
 }

@@ -21,12 +21,14 @@ struct PenaltySchedule {
 
 std::span<const PenaltySchedule> penalty_schedules();
 
+inline constexpr int largest_batch = 64;
+
 /// What is asked of a kernel, and how hard it may try.
 struct Query {
   double reach = std::numeric_limits<double>::infinity();        ///< report pairs with distance <= reach (m)
   int steps = 4;                                                 ///< Newton steps of iterative and hybrid kernels
   double tolerance = 6 * std::numeric_limits<double>::epsilon(); ///< of a hybrid's proof: upper - lower, in S
-  int batch = 8; ///< pairs that hybrid-batch proves, or redoes, together
+  int batch = 8; ///< pairs that hybrid-batch proves, or redoes, together: 1 to largest_batch
   const PenaltySchedule* schedule = &penalty_schedules()[0];
 };
 
