@@ -7,9 +7,13 @@ from pathlib import Path
 TIMED_PART = "*run_slice*"  # of dem_bench: what happens on the clock
 
 
+def available() -> bool:
+    return shutil.which("valgrind") is not None
+
+
 def instructions(command: list[str], limit_s: float) -> tuple[int | None, str]:
     """Instructions of the timed part of a dem_bench command, and, if there are none, why."""
-    if not shutil.which("valgrind"):
+    if not available():
         return None, "valgrind is not installed"
     words = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--toggle-collect={TIMED_PART}", *command]
     try:

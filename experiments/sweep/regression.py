@@ -1,0 +1,152 @@
+"""Runs fixed work with two builds in turn and compares point by point."""
+import os
+import subprocess
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from sweep import callgrind
+from sweep.bench import Bench, point_command
+from sweep.decision import (FASTER, LEAST_COUNT_CHANGE, SAME, SLOWER, UNSTABLE, Decision, decide, exact_change)
+from sweep.errors import SweepError
+from sweep.points import Point, expand
+from sweep.spec import Spec
+from sweep.store import Store, load_record
+
+WORK_COUNTS = ("candidate_pairs", "body_pairs", "triangle_pairs", "newton_steps", "fall_backs")
+INSTRUCTIONS = "instructions"
+
+
+@dataclass
+class Side:
+    """One of the two: CPU times (s) of a step, least wall times (s) of a step's phases, exact counts per step."""
+    cpu_s: list[float] = field(default_factory=list)
+    phases_s: dict[str, float] = field(default_factory=dict)
+    counts: dict[str, float] = field(default_factory=dict)
+    trouble: str = ""
+
+    def add(self, record: dict) -> None:
+        """The samples of one process: of each the least time, which other work disturbs least."""
+        samples = [sample for sample in record["samples"]]
+        self.cpu_s.append(min(sample["cpu_s"] / sample["steps"] for sample in samples))
+        self.look_at(record)
+
+    def look_at(self, record: dict) -> None:
+        """Phases and counts of a record."""
+        for sample in record["samples"]:
+            for phase, seconds in sample.get("phases_s", {}).items():
+                self.phases_s[phase] = min(self.phases_s.get(phase, seconds), seconds / sample["steps"])
+        counts = record.get("counts") or {}
+        self.counts |= {name: counts[name] / counts["steps"] for name in WORK_COUNTS if name in counts}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What became of one point."""
+    name: str
+    verdict: str
+    decision: Decision | None
+    before: Side
+    after: Side
+    why: str
+
+    def counts(self) -> dict[str, float]:
+        """Relative change of every exact count that changed."""
+        changes = {name: exact_change(self.before.counts.get(name), self.after.counts.get(name))
+                   for name in (INSTRUCTIONS, *WORK_COUNTS)}
+        return {name: change for name, change in changes.items() if change}
+
+
+def compare_builds(spec: Spec, benches: tuple[Bench, Bench], portable: tuple[Path, Path] | None, pairs: int,
+                   tell: Callable[[str], None]) -> list[Comparison]:
+    """Runs every point `pairs` times with each build, A B B A A B..., and instructions once where there are builds for
+    valgrind."""
+    found = []
+    for point in expand(spec):
+        sides = (Side(), Side())
+        for number in range(pairs):
+            for which in ((0, 1), (1, 0))[number % 2]:
+                if not any(side.trouble for side in sides):
+                    _run(spec, benches[which], point, sides[which])
+        if portable and not any(side.trouble for side in sides):
+            for bench, path, side in zip(benches, portable, sides):
+                once = replace(point, params={**point.params, "repeats": 1})
+                command = point_command(replace(bench, path=path), once, spec.folder, ["--record", os.devnull], None)
+                count, _ = callgrind.instructions(command, spec.time_limit_s)
+                if count is not None:
+                    side.counts[INSTRUCTIONS] = count
+        found.append(judge(point.name, *sides))
+        tell(f"{found[-1].name}: {found[-1].verdict} ({found[-1].why})")
+    return found
+
+
+def compare_records(spec: Spec, folders: tuple[Path, Path]) -> list[Comparison]:
+    """Compares two results folders, sample by sample. SweepError if they share no finished point."""
+    found = []
+    for point in expand(spec):
+        records = [load_record(Store(folder, spec.name).record_path(point.id), point.id)[0] for folder in folders]
+        if any(record is None for record in records):
+            continue
+        sides = (Side(), Side())
+        for record, side in zip(records, sides):
+            if record["status"] != "finished" or not record["check"]["passed"]:
+                side.trouble = record.get("reason", "its check failed")
+                continue
+            side.cpu_s = [sample["cpu_s"] / sample["steps"] for sample in record["samples"]]
+            side.look_at(record)
+        shorter = min(len(side.cpu_s) for side in sides)
+        for side in sides:
+            side.cpu_s = side.cpu_s[:shorter]
+        found.append(judge(point.name, *sides))
+    if not found:
+        raise SweepError(f"the two share no point of {spec.name} ({folders[0]}, {folders[1]}). Run `sweep run {spec.name}` in both.")
+    return found
+
+
+def judge(name: str, before: Side, after: Side) -> Comparison:
+    """The verdict and what explains it."""
+    if after.trouble or before.trouble:
+        # What does not run any more is the worst slow-down; what did not run before cannot be compared.
+        verdict = UNSTABLE if before.trouble else SLOWER
+        return Comparison(name, verdict, None, before, after, f"{'before' if before.trouble else 'now'}: "
+                          f"{before.trouble or after.trouble}")
+    decision = decide(before.cpu_s, after.cpu_s)
+    comparison = Comparison(name, decision.verdict, decision, before, after, "")
+    larger = [change for change in comparison.counts().values() if change >= LEAST_COUNT_CHANGE]
+    instructions = comparison.counts().get(INSTRUCTIONS, 0)
+    verdict = decision.verdict
+    if verdict in (SAME, UNSTABLE) and larger:
+        verdict = SLOWER
+    elif verdict in (SAME, UNSTABLE) and instructions <= -LEAST_COUNT_CHANGE:
+        verdict = FASTER
+    return replace(comparison, verdict=verdict, why=_why(comparison, decision))
+
+
+def _why(comparison: Comparison, decision: Decision) -> str:
+    words = [f"CPU time {100 * decision.change:+.1f} %, p = {decision.p:.2g}, noise {100 * decision.noise:.1f} %"]
+    words += [f"{name.replace('_', ' ')} {100 * change:+.2f} %" for name, change in comparison.counts().items()]
+    before, after = comparison.before.phases_s, comparison.after.phases_s
+    whole = sum(before.values())
+    gains = {phase: (after[phase] - before[phase]) / whole for phase in before if phase in after and whole > 0}
+    if gains and decision.verdict in (SLOWER, FASTER):
+        phase = max(gains, key=lambda each: abs(gains[each]))
+        words.append(f"mostly in phase {phase}: {100 * gains[phase]:+.1f} % of the step")
+    return "; ".join(words)
+
+
+def _run(spec: Spec, bench: Bench, point: Point, side: Side) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "record.json"
+        command = point_command(bench, point, spec.folder, ["--record", str(file)], None)
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=spec.time_limit_s, check=False)
+        except subprocess.TimeoutExpired:
+            side.trouble = f"needed more than {spec.time_limit_s:g} s"
+            return
+        record, broken = load_record(file, point.id)
+        if done.returncode != 0 or record is None:
+            said = (done.stderr or done.stdout).strip().splitlines()
+            side.trouble = f"exit code {done.returncode}: {said[-1] if said else broken}"
+            return
+        side.add(record)

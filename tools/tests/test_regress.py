@@ -1,0 +1,115 @@
+"""The regression gate: its statistics on made-up noise, and the tool with stand-ins for two builds."""
+import json
+import random
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "experiments"))
+from sweep.decision import FASTER, LEAST_PAIRS, SAME, SLOWER, UNSTABLE, decide  # noqa: E402
+
+STAND_IN = """#!/usr/bin/python3
+import json, os, random, sys
+if "--list" in sys.argv:
+    print("kernels\\n  brute: all")
+    sys.exit(0)
+call = dict(zip(sys.argv[1::2], sys.argv[2::2]))
+factor, counts = FACTOR, COUNTS
+open(sys.argv[0] + ".calls", "a").write("x")
+chance = random.Random(sys.argv[0][-12:] + str(os.path.getsize(sys.argv[0] + ".calls")))  # the same in every test run
+noise = lambda: 1 + abs(chance.gauss(0, NOISE))
+samples = [{"cpu_s": factor * noise(), "wall_s": 1, "steps": 10, "phases_s": {"grid": 0.2, "detect": 0.8 * factor}} for _ in range(3)]
+json.dump({"schema": "trigrain-record-1", "point_id": call["--point-id"], "status": "finished", "params": call,
+           "check": {"passed": PASSED, "how": []}, "samples": samples, "counts": {"steps": 10, **counts}}, open(call["--record"], "w"))
+sys.exit(0 if PASSED else 1)
+"""
+SPEC = {"fixed": {"scene": "hopper", "steps": 10, "repeats": 3}, "axes": {"kernel": ["brute"]}}
+
+
+def times(chance: random.Random, factor: float, pairs: int = 30) -> list[float]:
+    """CPU times as a loaded machine gives them: never below the true time, now and then far above it."""
+    return [factor * (1 + abs(chance.gauss(0, 0.015)) + (0.3 * chance.random() if chance.random() < 0.1 else 0))
+            for _ in range(pairs)]
+
+
+@pytest.mark.parametrize("factor,verdict", [(1.05, SLOWER), (1 / 1.05, FASTER)])
+def test_five_percent_are_found_in_ten_of_ten(factor, verdict):
+    for seed in range(10):
+        chance = random.Random(seed)
+        assert decide(times(chance, 1), times(chance, factor)).verdict == verdict, seed
+
+
+def test_identical_builds_are_hardly_ever_called_slower():
+    verdicts = []
+    for seed in range(100, 140):
+        chance = random.Random(seed)
+        verdicts.append(decide(times(chance, 1), times(chance, 1)).verdict)
+    assert verdicts.count(SLOWER) <= 1 and verdicts.count(SAME) >= 36, verdicts
+
+
+def test_noise_that_hides_a_change_is_unstable_and_few_pairs_say_nothing():
+    chance = random.Random(1)
+    wild = [[1 + chance.random() for _ in range(30)] for _ in range(2)]
+    assert decide(*wild).verdict == UNSTABLE
+    assert decide([1.0] * (LEAST_PAIRS - 1), [2.0] * (LEAST_PAIRS - 1)).verdict == UNSTABLE
+
+
+def test_a_significant_change_that_is_too_small_to_matter_is_none():
+    chance = random.Random(2)
+    found = decide([1 + 1e-4 * chance.random() for _ in range(30)], [1.01 + 1e-4 * chance.random() for _ in range(30)])
+    assert found.verdict == SAME and found.p < 0.01 and found.change == pytest.approx(0.01, abs=1e-3)
+
+
+def build(folder: Path, factor: float = 1, noise: float = 0.01, passed: bool = True, **counts: int) -> Path:
+    folder.mkdir()
+    text = STAND_IN.replace("FACTOR", str(factor)).replace("NOISE", str(noise)).replace("PASSED", str(passed))
+    (folder / "dem_bench").write_text(text.replace("COUNTS", repr(counts or {"triangle_pairs": 1000})))
+    (folder / "dem_bench").chmod(0o755)
+    return folder
+
+
+def regress(folder: Path, *words: object) -> subprocess.CompletedProcess:
+    (folder / "tried.json").write_text(json.dumps(SPEC))
+    return subprocess.run([ROOT / "tools/regress", *map(str, words), "--spec", folder / "tried.json", "--junit", folder / "j.xml"],
+                          capture_output=True, text=True, check=False, timeout=120)
+
+
+@pytest.mark.parametrize("head,code,words", [
+    ({}, 0, ["| same |"]), ({"factor": 1.06}, 1, ["**slower**", "mostly in phase detect: +4."]),
+    ({"factor": 0.9}, 0, ["| faster |"]), ({"noise": 1.0}, 2, ["**unstable**"]),
+    ({"triangle_pairs": 1010}, 1, ["**slower**", "triangle pairs +1.00 %"]),
+    ({"passed": False}, 1, ["**slower**", "now: exit code 1"])])
+def test_the_tool_exits_by_its_verdict(tmp_path, head, code, words):
+    done = regress(tmp_path, build(tmp_path / "a", noise=head.get("noise", 0.01)), build(tmp_path / "b", **head))
+    assert done.returncode == code, done.stdout + done.stderr
+    for word in words:
+        assert word in done.stdout, done.stdout
+    suite = ElementTree.parse(tmp_path / "j.xml").getroot()
+    assert suite.attrib["failures"] == str(int(code == 1)) and suite.attrib["skipped"] == str(int(code == 2))
+
+
+@pytest.mark.parametrize("change,code", [(1.0, 0), (1.05, 1)])
+def test_two_record_sets_are_compared(tmp_path, change, code):
+    sys.path.insert(0, str(ROOT / "experiments"))
+    from sweep.points import expand
+    from sweep.spec import read_spec
+    (tmp_path / "tried.json").write_text(json.dumps(SPEC))
+    point = expand(read_spec(tmp_path / "tried.json"))[0]
+    for name, factor in (("a", 1.0), ("b", change)):
+        (tmp_path / name / "tried").mkdir(parents=True)
+        (tmp_path / name / "tried/index.json").write_text("{}")
+        record = {"schema": "trigrain-record-1", "point_id": point.id, "status": "finished", "check": {"passed": True},
+                  "samples": [{"cpu_s": factor * (1 + 0.001 * (i % 7)), "steps": 1} for i in range(20)], "counts": None}
+        (tmp_path / name / f"tried/{point.id}.json").write_text(json.dumps(record))
+    done = regress(tmp_path, tmp_path / "a", tmp_path / "b")
+    assert done.returncode == code, done.stdout + done.stderr
+
+
+def test_wrong_usage_is_told(tmp_path):
+    done = regress(tmp_path, "no-such-commit", build(tmp_path / "b"))
+    assert done.returncode == 3 and "'no-such-commit' is no commit" in done.stderr
+    assert regress(tmp_path, build(tmp_path / "c"), tmp_path / "b", "--pairs", 3).returncode == 3
