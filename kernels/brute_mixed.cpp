@@ -10,8 +10,9 @@ namespace trigrain {
 namespace {
 
 /// Bits of the lanes that float cannot prove to be beyond reach.
-template <class T> [[gnu::noinline, gnu::flatten]] unsigned undecided(const PairPack<T>& pack, double reach) {
+template <class T> [[gnu::noinline, gnu::flatten]] unsigned undecided(const PairPack<T>& pack, double reach_of_query) {
   const TrianglePair<T>& pair = pack.pair();
+  const T reach = pack.in_units(reach_of_query);
   if (const unsigned near = pack.used() & ~bits_of(apart_by_middles(pair, reach)); near == 0) return 0;
   const auto [p, q] = points_at(pair, closest_weights(pair));
   return pack.used() & ~bits_of(beyond(gap_along(p - q, pair), reach, pair));

@@ -17,8 +17,8 @@ template <class T> struct Solved {
   unsigned within, near_reach, touching;
 };
 
-template <class T> [[gnu::always_inline]] inline Solved<T> solved(const TrianglePair<T>& pair, double reach_of_query) {
-  const T reach = constant<T>(reach_of_query), rounding = constant<T>(certificate_rounding<T>) * pair.extent;
+template <class T> [[gnu::always_inline]] inline Solved<T> solved(const TrianglePair<T>& pair, const T& reach) {
+  const T rounding = constant<T>(certificate_rounding<T>) * pair.extent;
   const Weights<T> z = closest_weights(pair);
   const auto [p, q] = points_at(pair, z);
   const T distance = sqrt(squared(p - q)), lower = min(proven_gap(gap_along(p - q, pair), pair.extent), distance);
@@ -61,7 +61,7 @@ template <class T> void decide(const PairPack<T>& pack, int lane, const Solved<T
 
 template <class T> [[gnu::noinline, gnu::flatten]] void solve(const PairPack<T>& pack, const PairList& list,
                                                               const Query& query, Hits& hits, KernelCounts& counts) {
-  const Solved<T> s = solved(pack.pair(), query.reach);
+  const Solved<T> s = solved(pack.pair(), pack.in_units(query.reach));
   const unsigned doubtful = (s.near_reach | s.touching) & pack.used(), within = s.within & pack.used();
   if (doubtful == 0) return pack.append(s.answer, within, hits);
   counts.fall_backs += std::popcount(doubtful);

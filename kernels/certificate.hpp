@@ -23,16 +23,17 @@ template <class T> [[gnu::always_inline]] inline T proven_gap(const T& gap, cons
   return max(gap - constant<T>(certificate_rounding<T>) * extent, T(0));
 }
 
-/// Lanes whose separation along u exceeds reach (m), whatever the rounding of it and of brute force's own distance: no
-/// contact, and brute force says so too.
+/// Lanes whose separation exceeds reach (m), whatever the rounding of it, of reach and of brute force's own distance:
+/// no contact, and brute force says so too.
 template <class T>
-[[gnu::always_inline]] inline MaskOf<T> beyond(const T& gap, double reach, const TrianglePair<T>& pair) {
+[[gnu::always_inline]] inline MaskOf<T> beyond(const T& gap, const T& reach, const TrianglePair<T>& pair) {
   const double margin = certificate_rounding<T> + 4 * epsilon_of<T>;
-  return gap > constant<T>(reach) * constant<T>(1 + 2 * epsilon_of<T>) + constant<T>(margin) * pair.extent;
+  return gap > reach * constant<T>(1 + 2 * epsilon_of<T>) + constant<T>(margin) * pair.extent;
 }
 
 /// Lanes that the direction between the triangles' middles proves to be beyond reach: the cheapest "no contact".
-template <class T> [[gnu::always_inline]] inline MaskOf<T> apart_by_middles(const TrianglePair<T>& pair, double reach) {
+template <class T>
+[[gnu::always_inline]] inline MaskOf<T> apart_by_middles(const TrianglePair<T>& pair, const T& reach) {
   const Vec3<T> u = pair.a[1] + pair.a[2] - (pair.b[0] + pair.b[1] + pair.b[2]); // a[0] is the origin
   return beyond(gap_along(u, pair), reach, pair);
 }

@@ -21,24 +21,25 @@ template <class T> struct Solved {
 
 template <class T> [[gnu::noinline, gnu::flatten]] Solved<T> solve(const PairPack<T>& pack, const Query& query) {
   const TrianglePair<T>& pair = pack.pair();
+  const T reach = pack.in_units(query.reach);
   const Weights<T> start = clamped(newton(pair, query));
   const PointPair<T> iterate = points_at(pair, start);
   const T first_gap = gap_along(iterate.p - iterate.q, pair);
-  if (all_of(beyond(first_gap, query.reach, pair))) return {};
+  if (all_of(beyond(first_gap, reach, pair))) return {};
 
   const auto [z, points, distance, polished_gap] = polish(pair, start);
   const T gap = max(first_gap, polished_gap), rounding = constant<T>(certificate_rounding<T>) * pair.extent;
   const T lower = min(proven_gap(gap, pair.extent), distance);
-  const unsigned far = bits_of(beyond(gap, query.reach, pair));
+  const unsigned far = bits_of(beyond(gap, reach, pair));
   const unsigned proven = bits_of((distance - gap <= constant<T>(query.tolerance) * pair.extent) &
-                                  (distance + rounding <= constant<T>(query.reach)) & (lower > T(0)));
+                                  (distance + rounding <= reach) & (lower > T(0)));
   return {.answer = {points.p, points.q, distance, lower, distance + rounding, feature_of(z)},
           .contact = pack.used() & proven & ~far,
           .unproven = pack.used() & ~proven & ~far};
 }
 
 template <class T> [[gnu::noinline, gnu::flatten]] unsigned apart(const PairPack<T>& pack, double reach) {
-  return bits_of(apart_by_middles(pack.pair(), reach));
+  return bits_of(apart_by_middles(pack.pair(), pack.in_units(reach)));
 }
 
 template <class T> void redo(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {

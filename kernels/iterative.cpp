@@ -13,7 +13,7 @@ template <class T> [[gnu::noinline, gnu::flatten]] void solve(const PairPack<T>&
   const PointPair<T> points = points_at(pair, z);
   const Vec3<T> u = points.p - points.q;
   const T distance = sqrt(squared(u));
-  const unsigned within = bits_of(distance <= constant<T>(query.reach)) & pack.used();
+  const unsigned within = bits_of(distance <= pack.in_units(query.reach)) & pack.used();
   if (within == 0) return;
   const T lower = min(proven_gap(gap_along(u, pair), pair.extent), distance);
   const T upper = distance + constant<T>(certificate_rounding<T>) * pair.extent;

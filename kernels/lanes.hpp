@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 // GCC 12 warns about its own AVX-512 headers.
@@ -165,6 +166,22 @@ template <class T> [[gnu::always_inline]] inline T clamp01(const T& x) { return 
 template <class T> [[gnu::always_inline]] inline T inverse_or_zero(const T& x) {
   const auto positive = x > T(0);
   return select(positive, T(1) / select(positive, x, T(1)), T(0));
+}
+
+/// The powers of two p <= x < 2 p of floats, and 1 / p; 1 for numbers that have none within a float's range.
+template <class T> [[gnu::always_inline]] inline void power_of_two_below(const T& x, T& p, T& inverse) {
+  constexpr int lanes = lanes_of<T>;
+  constexpr std::uint32_t exponent = 0x7f800000, one = 0x3f800000;
+  std::array<float, lanes> each, each_inverse;
+  store(x, each.data());
+  for (int lane = 0; lane < lanes; ++lane) {
+    std::uint32_t bits = std::bit_cast<std::uint32_t>(each[lane]) & exponent;
+    bits = bits - 1 < 2 * one - 1 ? bits : one; // neither zero nor 2^127 and more
+    each[lane] = std::bit_cast<float>(bits);
+    each_inverse[lane] = std::bit_cast<float>(2 * one - bits);
+  }
+  p = load<T>(each.data());
+  inverse = load<T>(each_inverse.data());
 }
 
 /// The lanes of m as bits.

@@ -15,7 +15,8 @@ template <class T> struct PackAnswer {
 };
 
 /// Up to N pairs of a list, one per lane, each in its own frame (origin a[0]); lanes beyond the end of the list repeat
-/// its last pair. Differences are taken in double before they are rounded to T.
+/// its last pair. Differences are taken in double before they are rounded to T. In float each pair also has its own
+/// unit of length, a power of two that puts its extent between 1 and 2: products of six lengths stay in range.
 template <class T> class PairPack {
  public:
   static constexpr int lanes = lanes_of<T>;
@@ -33,11 +34,20 @@ template <class T> class PairPack {
   /// Bits of the lanes that hold a pair of the list.
   unsigned used() const { return (1u << size()) - 1; }
 
+  /// A length (m) in the units of the pairs.
+  T in_units(double length) const {
+    if constexpr (has_unit)
+      return constant<T>(length) * per_unit_;
+    else
+      return constant<T>(length);
+  }
+
   /// Point p of one lane, in the world's frame (m).
   Vec3<double> p_of(const PackAnswer<T>& answer, int lane) const {
-    return {static_cast<double>(lane_of(answer.p.x, lane)) + origin_[0][lane],
-            static_cast<double>(lane_of(answer.p.y, lane)) + origin_[1][lane],
-            static_cast<double>(lane_of(answer.p.z, lane)) + origin_[2][lane]};
+    const auto axis = [&](const T& x, int k) {
+      return static_cast<double>(lane_of(in_metres(x), lane)) + origin_[k][lane];
+    };
+    return {axis(answer.p.x, 0), axis(answer.p.y, 1), axis(answer.p.z, 2)};
   }
 
   /// Appends the answers of the lanes whose bit is set, back in the world's frame.
@@ -47,12 +57,12 @@ template <class T> class PairPack {
     static constexpr Column zero{};
     int c = 0;
     for (const T* x : {&from.p.x, &from.p.y, &from.p.z, &from.q.x, &from.q.y, &from.q.z}) {
-      store_sum(*x, origin_[c % 3].data(), bits, hits.next(static_cast<Hits::Column>(c)));
+      store_sum(in_metres(*x), origin_[c % 3].data(), bits, hits.next(static_cast<Hits::Column>(c)));
       ++c;
     }
-    store_sum(from.distance, zero.data(), bits, hits.next(Hits::distance));
-    store_sum(from.lower, zero.data(), bits, hits.next(Hits::lower));
-    store_sum(from.upper, zero.data(), bits, hits.next(Hits::upper));
+    store_sum(in_metres(from.distance), zero.data(), bits, hits.next(Hits::distance));
+    store_sum(in_metres(from.lower), zero.data(), bits, hits.next(Hits::lower));
+    store_sum(in_metres(from.upper), zero.data(), bits, hits.next(Hits::upper));
     std::array<int, lanes> feature;
     store(from.feature, feature.data());
     const int count = std::popcount(bits);
@@ -77,6 +87,26 @@ template <class T> class PairPack {
     return other == 0;
   }
 
+  static constexpr bool has_unit = std::is_same_v<ScalarOf<T>, float>;
+
+  [[gnu::always_inline]] T in_metres(const T& x) const {
+    if constexpr (has_unit)
+      return x * unit_;
+    else
+      return x;
+  }
+
+  /// Sets the extent and, in float, goes over to the units of the pairs.
+  [[gnu::always_inline]] void finish() {
+    pair_.extent = extent_of(pair_.a, pair_.b);
+    if constexpr (has_unit) {
+      power_of_two_below(pair_.extent, unit_, per_unit_);
+      for (Corners<T>* t : {&pair_.a, &pair_.b})
+        for (Vec3<T>& corner : *t) corner = per_unit_ * corner;
+      pair_.extent = per_unit_ * pair_.extent;
+    }
+  }
+
   [[gnu::flatten]] void load_row(const PairList& list) {
     const auto [i, j] = index_[0];
     const Triangle a = list.a[i];
@@ -90,7 +120,7 @@ template <class T> class PairPack {
       const auto axis = [&, j = j](int x) { return load_difference<T>(list.b.coordinate[3 * k + x] + j, a0[x]); };
       pair_.b[k] = {axis(0), axis(1), axis(2)};
     }
-    pair_.extent = extent_of(pair_.a, pair_.b);
+    finish();
   }
 
   [[gnu::flatten]] void load_scattered(const PairList& list) {
@@ -111,12 +141,13 @@ template <class T> class PairPack {
       pair_.a[k] = corner(a);
       pair_.b[k] = corner(b);
     }
-    pair_.extent = extent_of(pair_.a, pair_.b);
+    finish();
   }
 
   std::span<const PairIndex> index_;
   std::array<Column, 3> origin_; ///< a[0] of every lane (m)
   TrianglePair<T> pair_;
+  T unit_, per_unit_; ///< m, 1/m; in float only
 };
 
 /// The list in packs, in order.
