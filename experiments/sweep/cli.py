@@ -1,4 +1,4 @@
-"""The command `sweep`: run, status, counters, list, merge, import, schema."""
+"""The command `sweep`: run, status, counters, export, list, merge, import, schema."""
 import argparse
 import json
 import os
@@ -11,6 +11,7 @@ from sweep.aliases import import_ini
 from sweep.bench import Bench, find_bench, usable_cores
 from sweep.counters import Counting, load_counters
 from sweep.errors import InputError, SweepError, nearest
+from sweep.exchange import FORMATS, rows
 from sweep.merge import merge
 from sweep.points import Point, expand, select
 from sweep.process import Stop
@@ -76,6 +77,12 @@ def _parser() -> Parser:
     _common(counted)
     counted.add_argument("--only", action="append", default=[], metavar="K=V[,V]", help="only points with these values")
     counted.add_argument("--fresh", action="store_true", help="count again what has been counted")
+    out = commands.add_parser("export", help="every sample in a format that other tools read")
+    out.set_defaults(command=_export)
+    _common(out)
+    out.add_argument("--format", choices=FORMATS, default="csv", help="default: %(default)s")
+    out.add_argument("--only", action="append", default=[], metavar="K=V[,V]", help="only points with these values")
+    out.add_argument("--out", type=Path, metavar="FILE", help="the file to write (default: print it)")
     old = commands.add_parser("import", help="make a spec of an option file (INI) of the ancestor's sweeps")
     old.set_defaults(command=_import)
     old.add_argument("file", type=Path)
@@ -204,6 +211,17 @@ def _counters(options: argparse.Namespace) -> int:
                 print(f"{point.name}: {', '.join(found) or 'nothing, ' + whole['instructions']['reason']}", flush=True)
     print(f"{spec.name} ({spec.preset}): {done} points counted" if done else
           f"{spec.name} ({spec.preset}): no finished point; sweep run comes first")
+    return 0
+
+
+def _export(options: argparse.Namespace) -> int:
+    spec = _read(options)
+    text = FORMATS[options.format](rows(Store(options.results, spec.name), select(expand(spec), options.only, None)))
+    if not options.out:
+        sys.stdout.write(text)
+        return 0
+    options.out.write_text(text, encoding="utf-8")
+    print(options.out)
     return 0
 
 

@@ -9,7 +9,8 @@ from pathlib import Path
 from sweep import callgrind
 from sweep.bench import Bench, point_command
 from sweep.decision import (FASTER, LEAST_COUNT_CHANGE, SAME, SLOWER, UNSTABLE, Decision, decide, exact_change)
-from sweep.errors import SweepError
+from sweep.errors import InputError, SweepError
+from sweep.exchange import read_google_benchmark
 from sweep.points import Point, expand
 from sweep.spec import Spec
 from sweep.store import Store, load_record
@@ -102,6 +103,16 @@ def compare_records(spec: Spec, folders: tuple[Path, Path]) -> list[Comparison]:
     if not found:
         raise SweepError(f"the two share no point of {spec.name} ({folders[0]}, {folders[1]}). Run `sweep run {spec.name}` in both.")
     return found
+
+
+def compare_benchmarks(files: tuple[Path, Path]) -> list[Comparison]:
+    """Compares two JSON files of Google Benchmark by name, repetition by repetition."""
+    before, after = (read_google_benchmark(file) for file in files)
+    common = [name for name in before if name in after]
+    if not common:
+        raise InputError(f"the two have no benchmark in common ({files[0]}, {files[1]}). Run the same program.")
+    shorter = {name: min(len(before[name]), len(after[name])) for name in common}
+    return [judge(name, Side(before[name][:shorter[name]]), Side(after[name][:shorter[name]])) for name in common]
 
 
 def judge(name: str, before: Side, after: Side) -> Comparison:

@@ -80,7 +80,7 @@ def act(call: argparse.Namespace) -> int:
               "params": {"threads": call.threads, "start_state": call.start_state},
               "build": {"commit": os.environ.get("STAND_IN_COMMIT")}, "check": {"passed": passed, "how": [
                   {"what": "kernel", "passed": passed, "detail": "compared"}]},
-              "samples": [{"wall_s": 1.0, "steps": call.steps or 1}] * (call.repeats or 1),
+              "samples": [{"wall_s": 1.0, "cpu_s": 1.0, "steps": call.steps or 1}] * (call.repeats or 1),
               "state_hash": f"{time.time_ns() if seed == BEHAVIOUR['unsteady'] else 1:016x}", "counters": {
                   "cycles": {"value": call.repeats, "source": "perf_event", "status": "measured", "reason": None}}}
     if seed == BEHAVIOUR["half record"]:
