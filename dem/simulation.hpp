@@ -12,8 +12,8 @@ namespace trigrain {
 
 /// Which variant does each job; every name is a row of a table.
 struct Options {
-  std::string kernel = "hybrid-pair";
-  std::string precheck = "sphere";
+  std::string kernel = "brute-simd";
+  std::string precheck = "box";
   std::string grid = "regular";
   std::string contact_rule = "features";
   std::string scheme = "serial";

@@ -23,6 +23,18 @@ Point placed(const Point& x, const Placement& at) {
   return Point{dot(at.rows[0], x), dot(at.rows[1], x), dot(at.rows[2], x)} + at.translation;
 }
 
+/// Box that holds the turned and moved box of B.
+Box placed(const Box& b, const Placement& at) {
+  const Point middle{(b.low[0] + b.high[0]) / 2, (b.low[1] + b.high[1]) / 2, (b.low[2] + b.high[2]) / 2};
+  const Point half{(b.high[0] - b.low[0]) / 2, (b.high[1] - b.low[1]) / 2, (b.high[2] - b.low[2]) / 2};
+  const Point m = placed(middle, at);
+  const auto reach = [&](const Point& row) {
+    return std::fabs(row.x) * half.x + std::fabs(row.y) * half.y + std::fabs(row.z) * half.z;
+  };
+  const Point h{reach(at.rows[0]), reach(at.rows[1]), reach(at.rows[2])};
+  return {{m.x - h.x, m.y - h.y, m.z - h.z}, {m.x + h.x, m.y + h.y, m.z + h.z}};
+}
+
 /// Not inlined: compiled once, it gives a triangle the same bits for every pre-check.
 [[gnu::noinline]] Triangle placed(const Triangle& t, const Placement& at) {
   return {placed(t.a0, at), placed(t.a1, at), placed(t.a2, at)};
@@ -38,18 +50,25 @@ void place(const MeshView& b, const Placement& at, Candidates& c) {
   for (int j : c.number_b) c.b.push_back(placed(b.triangles[j], at));
 }
 
+PairIndex* room_for_pairs(Candidates& c, std::size_t count) {
+  if (c.list.size() < count) c.list.resize(count);
+  return c.list.data();
+}
+
 void clear(Candidates& c) {
   c.b.clear();
   c.number_b.clear();
-  c.pairs.clear();
+  c.pairs = {};
 }
 
 // --- none and sphere: lists of triangles, every one of A's against every one of B's
 
 void pair_all(const MeshView& b, const Placement& at, Candidates& c) {
   place(b, at, c);
+  PairIndex* next = room_for_pairs(c, c.near_a.size() * c.b.size());
   for (int i : c.near_a)
-    for (int j = 0; j < c.b.size(); ++j) c.pairs.push_back({i, j});
+    for (int j = 0; j < c.b.size(); ++j) *next++ = {i, j};
+  c.pairs = {c.list.data(), next};
 }
 
 void all_triangles(TrianglesView triangles, const Point&, double, std::vector<int>& indices) {
@@ -79,7 +98,7 @@ struct Support {
   Point point;  ///< where
 };
 
-Support support(const Octree& octree, const Point& u) {
+[[gnu::flatten]] Support support(const Octree& octree, const Point& u) {
   const auto [x, y, z] = octree.vertices();
   const Vec3<Octet> direction{Octet(u.x), Octet(u.y), Octet(u.z)};
   Octet best(-std::numeric_limits<double>::infinity()), where(0.);
@@ -103,7 +122,7 @@ struct Slab {
 
 /// Gilbert (1966): the point of the convex hull of B - A nearest to the origin, by steps towards supports; each gives a
 /// lower bound of the distance. Stops when the bound exceeds `reach` or is near the distance.
-Slab separating_slab(const MeshView& a, const MeshView& b, const Placement& at, double reach) {
+[[gnu::flatten]] Slab separating_slab(const MeshView& a, const MeshView& b, const Placement& at, double reach) {
   constexpr int steps = 4;
   Slab best{{1, 0, 0}, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   Point w = at.translation;
@@ -133,15 +152,29 @@ Corners<Octet> corners_at(const TrianglesView& t, int first) {
 
 Vec3<Octet> in_octet(const Point& x) { return {Octet(x.x), Octet(x.y), Octet(x.z)}; }
 
-/// Ascending numbers of the triangles with a corner x where u.x >= least.
-[[gnu::flatten]] void triangles_beyond(TrianglesView t, const Point& u, double least, std::vector<int>& indices) {
+/// Squared distances of eight triangles' boxes from those of eight others.
+[[gnu::always_inline]] inline Octet box_distance2(const Corners<Octet>& a, const Corners<Octet>& b) {
+  const auto between = [&](Octet Vec3<Octet>::*axis) {
+    const auto low = [&](const Corners<Octet>& t) { return min(min(t[0].*axis, t[1].*axis), t[2].*axis); };
+    const auto high = [&](const Corners<Octet>& t) { return max(max(t[0].*axis, t[1].*axis), t[2].*axis); };
+    return max(max(low(b) - high(a), low(a) - high(b)), Octet(0.));
+  };
+  const Octet dx = between(&Vec3<Octet>::x), dy = between(&Vec3<Octet>::y), dz = between(&Vec3<Octet>::z);
+  return dx * dx + dy * dy + dz * dz;
+}
+
+/// Ascending numbers of the triangles with a corner x where u.x >= least and whose box is within reach of `other`.
+[[gnu::flatten]] void triangles_beyond(TrianglesView t, const Point& u, double least, const Box& other, double reach,
+                                       std::vector<int>& indices) {
   indices.resize(t.size + 8);
-  const Vec3<Octet> direction = in_octet(u);
+  const Vec3<Octet> direction = in_octet(u), low = in_octet({other.low[0], other.low[1], other.low[2]}),
+                    high = in_octet({other.high[0], other.high[1], other.high[2]});
+  const Corners<Octet> box{low, high, high};
   int n = 0;
   for (int first = 0; first < t.size; first += 8) {
     const auto [x, y, z] = corners_at(t, first);
     const Octet furthest = max(max(dot(direction, x), dot(direction, y)), dot(direction, z));
-    unsigned near = bits_of(furthest >= Octet(least));
+    unsigned near = bits_of((furthest >= Octet(least)) & (box_distance2({x, y, z}, box) <= Octet(reach * reach)));
     if (t.size - first < 8) near &= (1u << (t.size - first)) - 1;
     std::array<int, 8> number;
     for (int lane = 0; lane < 8; ++lane) number[lane] = first + lane;
@@ -153,13 +186,7 @@ Vec3<Octet> in_octet(const Point& x) { return {Octet(x.x), Octet(x.y), Octet(x.z
 /// Bits of the eight triangles `b` that box and plane of triangle `a` leave within reach.
 [[gnu::flatten]] unsigned near_triangle(const Triangle& ta, const Corners<Octet>& b, double reach, double extent) {
   const Corners<Octet> a{in_octet(ta.a0), in_octet(ta.a1), in_octet(ta.a2)};
-  const auto between = [&](Octet Vec3<Octet>::*axis) {
-    const auto low = [&](const Corners<Octet>& t) { return min(min(t[0].*axis, t[1].*axis), t[2].*axis); };
-    const auto high = [&](const Corners<Octet>& t) { return max(max(t[0].*axis, t[1].*axis), t[2].*axis); };
-    return max(max(low(b) - high(a), low(a) - high(b)), Octet(0.));
-  };
-  const Octet dx = between(&Vec3<Octet>::x), dy = between(&Vec3<Octet>::y), dz = between(&Vec3<Octet>::z);
-  const auto by_box = dx * dx + dy * dy + dz * dz <= Octet(reach * reach);
+  const auto by_box = box_distance2(a, b) <= Octet(reach * reach);
   const Point e = ta.a1 - ta.a0, f = ta.a2 - ta.a0, n = cross(e, f);
   const double beyond =
       reach * std::sqrt(squared(n)) + slack * extent * std::sqrt(squared(e) * squared(f)); // rounding of n is in it
@@ -170,18 +197,24 @@ Vec3<Octet> in_octet(const Point& x) { return {Octet(x.x), Octet(x.y), Octet(x.z
   return bits_of(by_box & by_plane);
 }
 
-void pairs_by_box(const MeshView& a, const MeshView& b, const Placement& at, double reach, Candidates& c) {
+void pairs_by_box(const MeshView& a, const MeshView& b, const Placement& at, double reach,
+                                   Candidates& c) {
   clear(c);
   const double extent = extent_of(a, b, at), limit = reach + slack * extent;
   const Slab slab = separating_slab(a, b, at, limit);
   if (slab.gap() > limit) return;
-  triangles_beyond(a.triangles, slab.u, slab.start_of_b - limit, c.near_a);
-  const Point back = turned_back(-1. * slab.u, at);
-  triangles_beyond(b.triangles, back, dot(slab.u, at.translation) - slab.end_of_a - limit, c.near_b);
+  const Point back = turned_back(-1. * slab.u, at), origin_a = turned_back(-1. * at.translation, at);
+  const Placement a_in_b{{Point{at.rows[0].x, at.rows[1].x, at.rows[2].x},
+                          {at.rows[0].y, at.rows[1].y, at.rows[2].y},
+                          {at.rows[0].z, at.rows[1].z, at.rows[2].z}},
+                         origin_a};
+  triangles_beyond(a.triangles, slab.u, slab.start_of_b - limit, placed(b.octree->cut(0).box, at), limit, c.near_a);
+  if (c.near_a.empty()) return;
+  triangles_beyond(b.triangles, back, dot(slab.u, at.translation) - slab.end_of_a - limit,
+                   placed(a.octree->cut(0).box, a_in_b), limit, c.near_b);
   place(b, at, c);
   const TrianglesView placed_b = c.b.view();
-  c.pairs.resize(c.near_a.size() * ((placed_b.size + 7) / 8) * 8 + 8);
-  int n = 0;
+  PairIndex* next = room_for_pairs(c, c.near_a.size() * ((placed_b.size + 7) / 8 * 8) + 8);
   for (int i : c.near_a) {
     const Triangle ta = a.triangles[i];
     for (int first = 0; first < placed_b.size; first += 8) {
@@ -189,10 +222,10 @@ void pairs_by_box(const MeshView& a, const MeshView& b, const Placement& at, dou
       if (placed_b.size - first < 8) near &= (1u << (placed_b.size - first)) - 1;
       std::array<PairIndex, 8> pair;
       for (int lane = 0; lane < 8; ++lane) pair[lane] = {i, first + lane};
-      n += store_selected(pair, near, c.pairs.data() + n);
+      next += store_selected(pair, near, next);
     }
   }
-  c.pairs.resize(n);
+  c.pairs = {c.list.data(), next};
 }
 
 // --- octree: both trees at once, the larger cut first
@@ -248,7 +281,7 @@ class Descent {
     const bool open_a = !a.leaf && (b.leaf || size_b <= 2 * size_a),
                open_b = !b.leaf && (a.leaf || size_a <= 2 * size_b);
     if (open_a && !open_b) {
-      const Box box = box_in(placed(alone(b.box), at_), 0);
+      const Box box = trigrain::placed(b.box, at_);
       for (unsigned near = near_boxes(box, a.boxes, reach_); near != 0; near &= near - 1)
         visit(a.entry[std::countr_zero(near)], number_b);
       return;
@@ -272,14 +305,6 @@ class Descent {
   }
 
  private:
-  static BoxOctet alone(const Box& box) {
-    BoxOctet r;
-    for (int axis = 0; axis < 3; ++axis) {
-      r.low[axis].fill(box.low[axis]);
-      r.high[axis].fill(box.high[axis]);
-    }
-    return r;
-  }
   static Box hull_of(const BoxOctet& boxes) {
     Box r;
     for (int axis = 0; axis < 3; ++axis) {
@@ -295,7 +320,7 @@ class Descent {
       c_.b.push_back(trigrain::placed(b_.triangles[j], at_));
       c_.number_b.push_back(j);
     }
-    c_.pairs.push_back({i, c_.place[j]});
+    c_.list.push_back({i, c_.place[j]});
   }
 
   const MeshView &a_, &b_;
@@ -307,11 +332,13 @@ class Descent {
 void pairs_by_octree(const MeshView& a, const MeshView& b, const Placement& at, double reach, Candidates& c) {
   clear(c);
   if (c.place.size() < static_cast<std::size_t>(b.triangles.size)) c.place.resize(b.triangles.size, -1);
+  c.list.clear();
   Descent(a, b, at, reach, c).visit(0, 0);
   for (int j : c.number_b) c.place[j] = -1;
-  std::sort(c.pairs.begin(), c.pairs.end(), [&](const PairIndex& x, const PairIndex& y) {
+  std::sort(c.list.begin(), c.list.end(), [&](const PairIndex& x, const PairIndex& y) {
     return std::pair(x.i, c.number_b[x.j]) < std::pair(y.i, c.number_b[y.j]);
   });
+  c.pairs = c.list;
 }
 
 constexpr Precheck table[] = {

@@ -22,11 +22,12 @@ struct MeshView {
 /// The triangle pairs of two meshes that a pre-check leaves, and scratch memory. B's triangles are those that some
 /// pair needs, in A's frame; the same triangle has the same bits whatever the pre-check.
 struct Candidates {
-  Triangles b;                  ///< in A's frame (m)
-  std::vector<int> number_b;    ///< of each triangle of `b` in its mesh
-  std::vector<PairIndex> pairs; ///< i in mesh A, j in `b`; ascending in (i, number_b[j])
+  Triangles b;                      ///< in A's frame (m)
+  std::vector<int> number_b;        ///< of each triangle of `b` in its mesh
+  std::span<const PairIndex> pairs; ///< i in mesh A, j in `b`; ascending in (i, number_b[j])
 
   // scratch of the pre-checks
+  std::vector<PairIndex> list; ///< holds `pairs`; never shrinks
   std::vector<int> near_a, near_b;
   std::vector<int> place; ///< of each triangle of B in `b`; -1 between calls
 };
