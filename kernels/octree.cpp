@@ -24,31 +24,38 @@ Box hull(const Box& a, const Box& b) {
   return r;
 }
 
+Vec3<double> middle_of(const Triangle& t) { return (1. / 3) * (t.a0 + t.a1 + t.a2); }
+
 } // namespace
 
 struct Octree::Builder {
   std::vector<Cut>& cuts;
+  TrianglesView triangles;
   std::vector<Box> box;                      ///< of each triangle
   std::vector<std::array<double, 3>> middle; ///< of each box
 
   /// Makes the cut of some triangles in a cube and returns its number.
-  int make(std::span<int> triangles, const std::array<double, 3>& centre, double half, int depth) {
+  int make(std::span<int> numbers, const std::array<double, 3>& centre, double half, int depth) {
     const int number = static_cast<int>(cuts.size());
     cuts.emplace_back();
     Cut cut{};
-    cut.leaf = triangles.size() <= 8;
+    cut.leaf = numbers.size() <= 8;
     std::array<Box, 8> part;
     part.fill(empty);
+    std::array<Disc, 8> disc{};
     if (cut.leaf)
-      for (std::size_t k = 0; k < triangles.size(); ++k) {
-        cut.entry[k] = triangles[k];
-        part[k] = box[triangles[k]];
+      for (std::size_t k = 0; k < numbers.size(); ++k) {
+        cut.entry[k] = numbers[k];
+        part[k] = box[numbers[k]];
+        disc[k] = disc_of(numbers.subspan(k, 1));
       }
     else
-      divide(triangles, centre, half, depth, [&](int k, std::span<int> of_part, const std::array<double, 3>& at) {
+      divide(numbers, centre, half, depth, [&](int k, std::span<int> of_part, const std::array<double, 3>& at) {
         cut.entry[k] = make(of_part, at, half / 2, depth + 1);
         part[k] = cuts[cut.entry[k]].box;
+        disc[k] = cuts[cut.entry[k]].disc;
       });
+    cut.disc = disc_of(numbers);
     cut.box = empty;
     for (int k = 0; k < 8; ++k) {
       cut.box = hull(cut.box, part[k]);
@@ -56,21 +63,52 @@ struct Octree::Builder {
         cut.boxes.low[axis][k] = part[k].low[axis];
         cut.boxes.high[axis][k] = part[k].high[axis];
       }
+      const auto set = [&](std::array<std::array<double, 8>, 3>& to, const Vec3<double>& x) {
+        to[0][k] = x.x, to[1][k] = x.y, to[2][k] = x.z;
+      };
+      set(cut.discs.centre, disc[k].centre);
+      set(cut.discs.normal, disc[k].normal);
+      cut.discs.half_height[k] = disc[k].half_height;
+      cut.discs.radius[k] = disc[k].radius;
     }
     cuts[number] = cut;
     return number;
   }
 
+  /// A disc square to the mean normal.
+  Disc disc_of(std::span<const int> numbers) const {
+    Vec3<double> normal{0, 0, 0}, centre{0, 0, 0};
+    for (int t : numbers) {
+      const Triangle tri = triangles[t];
+      normal = normal + cross(tri.a1 - tri.a0, tri.a2 - tri.a0);
+      centre = centre + (1. / numbers.size()) * middle_of(tri);
+    }
+    const double length = std::sqrt(dot(normal, normal));
+    normal = length > 0 ? (1 / length) * normal : Vec3<double>{0, 0, 1};
+    double low = far, high = -far, radius2 = 0;
+    for (int t : numbers) {
+      const Triangle tri = triangles[t];
+      for (const Vec3<double>& x : {tri.a0, tri.a1, tri.a2}) {
+        const double height = dot(normal, x - centre);
+        const Vec3<double> across = x - centre - height * normal;
+        low = std::min(low, height);
+        high = std::max(high, height);
+        radius2 = std::max(radius2, dot(across, across));
+      }
+    }
+    return {centre + ((low + high) / 2) * normal, normal, (high - low) / 2, std::sqrt(radius2)};
+  }
+
   /// Calls visit(octant, its triangles, its middle) for the octants of a cube that are not empty.
   template <class Visit>
-  void divide(std::span<int> triangles, const std::array<double, 3>& centre, double half, int depth, Visit visit) {
+  void divide(std::span<int> numbers, const std::array<double, 3>& centre, double half, int depth, Visit visit) {
     constexpr int deepest = 40; // middles that cubes do not tell apart are divided by number
     const auto in_octant = [&](int t, int k) {
       for (int axis = 0; axis < 3; ++axis)
         if ((middle[t][axis] > centre[axis]) != (k >> axis & 1)) return false;
       return true;
     };
-    std::span<int> rest = triangles;
+    std::span<int> rest = numbers;
     for (int k = 0; k < 8; ++k) {
       const std::size_t count =
           depth > deepest
@@ -94,7 +132,7 @@ Octree::Octree(std::span<const Vec3<double>> vertices, TrianglesView triangles) 
     vertex_[2].push_back(x.z);
     radius_ = std::max(radius_, std::sqrt(x.x * x.x + x.y * x.y + x.z * x.z));
   }
-  Builder builder{cuts_, {}, {}};
+  Builder builder{cuts_, triangles, {}, {}};
   Box all = empty;
   for (int k = 0; k < triangles.size; ++k) {
     const Box b = box_of(triangles[k]);

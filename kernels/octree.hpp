@@ -19,11 +19,27 @@ struct alignas(64) BoxOctet {
   std::array<std::array<double, 8>, 3> low, high;
 };
 
-/// Cubic cut of a surface: boxes and numbers of up to eight smaller cuts, or of up to eight triangles in a leaf.
+/// Flat cylinder (m): points within half_height of the plane through `centre` and within `radius` of the axis. Around a
+/// smooth piece of surface of size s it is of height s^2, where a box has s: without it the pairs of cuts that two
+/// touching spheres leave would grow with the fineness of their meshes.
+struct Disc {
+  Vec3<double> centre, normal; ///< normal of length 1
+  double half_height, radius;
+};
+
+/// Eight discs.
+struct alignas(64) DiscOctet {
+  std::array<std::array<double, 8>, 3> centre, normal;
+  std::array<double, 8> half_height, radius;
+};
+
+/// Cubic cut of a surface: boxes, discs and numbers of up to eight smaller cuts, or of up to eight triangles in a leaf.
 struct Cut {
   BoxOctet boxes;
+  DiscOctet discs;
   std::array<int, 8> entry; ///< of cuts or triangles; those of empty boxes mean nothing
   Box box;                  ///< of all
+  Disc disc;                ///< of all
   bool leaf;
 };
 

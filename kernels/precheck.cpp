@@ -197,8 +197,7 @@ Vec3<Octet> in_octet(const Point& x) { return {Octet(x.x), Octet(x.y), Octet(x.z
   return bits_of(by_box & by_plane);
 }
 
-void pairs_by_box(const MeshView& a, const MeshView& b, const Placement& at, double reach,
-                                   Candidates& c) {
+void pairs_by_box(const MeshView& a, const MeshView& b, const Placement& at, double reach, Candidates& c) {
   clear(c);
   const double extent = extent_of(a, b, at), limit = reach + slack * extent;
   const Slab slab = separating_slab(a, b, at, limit);
@@ -266,6 +265,48 @@ Box box_in(const BoxOctet& boxes, int k) {
   return bits_of(distance2 <= Octet(reach * reach));
 }
 
+/// The discs of B, turned and moved.
+[[gnu::flatten]] DiscOctet placed(const DiscOctet& b, const Placement& at) {
+  DiscOctet r = b;
+  const auto turn = [&](const std::array<std::array<double, 8>, 3>& from, const Point& by,
+                        std::array<std::array<double, 8>, 3>& to) {
+    const Vec3<Octet> x{load<Octet>(from[0].data()), load<Octet>(from[1].data()), load<Octet>(from[2].data())};
+    store(dot(in_octet(at.rows[0]), x) + Octet(by.x), to[0].data());
+    store(dot(in_octet(at.rows[1]), x) + Octet(by.y), to[1].data());
+    store(dot(in_octet(at.rows[2]), x) + Octet(by.z), to[2].data());
+  };
+  turn(b.centre, at.translation, r.centre);
+  turn(b.normal, {0, 0, 0}, r.normal);
+  return r;
+}
+
+Disc placed(const Disc& b, const Placement& at) {
+  const Placement turned{at.rows, {0, 0, 0}};
+  return {placed(b.centre, at), placed(b.normal, turned), b.half_height, b.radius};
+}
+
+Disc disc_in(const DiscOctet& d, int k) {
+  return {{d.centre[0][k], d.centre[1][k], d.centre[2][k]},
+          {d.normal[0][k], d.normal[1][k], d.normal[2][k]},
+          d.half_height[k],
+          d.radius[k]};
+}
+
+/// Bits of the discs that neither axis, nor that of `disc`, shows to be further than reach from `disc`.
+[[gnu::flatten]] unsigned near_discs(const Disc& disc, const DiscOctet& discs, double reach) {
+  const auto at = [](const std::array<std::array<double, 8>, 3>& x) {
+    return Vec3<Octet>{load<Octet>(x[0].data()), load<Octet>(x[1].data()), load<Octet>(x[2].data())};
+  };
+  const Vec3<Octet> normal = at(discs.normal), d = at(discs.centre) - in_octet(disc.centre),
+                    axis = in_octet(disc.normal);
+  const Octet h = load<Octet>(discs.half_height.data()), r = load<Octet>(discs.radius.data());
+  const Octet cosine = abs(dot(normal, axis));
+  const Octet sine = sqrt(max(Octet(1.) - cosine * cosine, Octet(0.)) + Octet(16 * epsilon)); // never too small
+  const Octet along_axis = abs(dot(d, axis)) - Octet(disc.half_height) - (h * cosine + r * sine);
+  const Octet along_normal = abs(dot(d, normal)) - h - (Octet(disc.half_height) * cosine + Octet(disc.radius) * sine);
+  return bits_of(max(along_axis, along_normal) <= Octet(reach));
+}
+
 double size_of(const Box& box) {
   return std::max({box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]});
 }
@@ -281,20 +322,23 @@ class Descent {
     const bool open_a = !a.leaf && (b.leaf || size_b <= 2 * size_a),
                open_b = !b.leaf && (a.leaf || size_a <= 2 * size_b);
     if (open_a && !open_b) {
-      const Box box = trigrain::placed(b.box, at_);
-      for (unsigned near = near_boxes(box, a.boxes, reach_); near != 0; near &= near - 1)
-        visit(a.entry[std::countr_zero(near)], number_b);
+      const unsigned near = near_boxes(trigrain::placed(b.box, at_), a.boxes, reach_) &
+                            near_discs(trigrain::placed(b.disc, at_), a.discs, reach_);
+      for (unsigned bits = near; bits != 0; bits &= bits - 1) visit(a.entry[std::countr_zero(bits)], number_b);
       return;
     }
-    const BoxOctet boxes_b = placed(b.boxes, at_);
+    const BoxOctet boxes_b = trigrain::placed(b.boxes, at_);
+    const DiscOctet discs_b = trigrain::placed(b.discs, at_);
     if (open_b && !open_a) {
-      for (unsigned near = near_boxes(a.box, boxes_b, reach_); near != 0; near &= near - 1)
-        visit(number_a, b.entry[std::countr_zero(near)]);
+      const unsigned near = near_boxes(a.box, boxes_b, reach_) & near_discs(a.disc, discs_b, reach_);
+      for (unsigned bits = near; bits != 0; bits &= bits - 1) visit(number_a, b.entry[std::countr_zero(bits)]);
       return;
     }
     for (unsigned within = near_boxes(hull_of(boxes_b), a.boxes, reach_); within != 0; within &= within - 1) {
       const int k = std::countr_zero(within);
-      for (unsigned near = near_boxes(box_in(a.boxes, k), boxes_b, reach_); near != 0; near &= near - 1) {
+      unsigned near = near_boxes(box_in(a.boxes, k), boxes_b, reach_);
+      if (near != 0) near &= near_discs(disc_in(a.discs, k), discs_b, reach_);
+      for (; near != 0; near &= near - 1) {
         const int l = std::countr_zero(near);
         if (open_a)
           visit(a.entry[k], b.entry[l]);

@@ -108,4 +108,29 @@ TEST(HybridPair, CountsItsFallBacks) {
   EXPECT_TRUE(hits[0].closest.fell_back);
 }
 
+// What lets threads share a list of pairs: its parts give what the whole gives, bit for bit.
+TEST(Batches, PartsOfAListGiveWhatTheWholeGives) {
+  const Triangles a = crowd(23, 100), b = crowd(31, 900);
+  std::vector<PairIndex> pairs;
+  for (int i = 0; i < a.size(); ++i)
+    for (int j = 0; j < b.size(); ++j) pairs.push_back({i, j});
+  const PairList list{a.view(), b.view(), pairs};
+  for (const Kernel& kernel : kernels())
+    for (const int part : {1, 8, 40, 100}) {
+      if (kernel.name == "hybrid-batch" && part % Query{}.batch != 0) continue; // must not cut its batches
+      Hits whole, parts;
+      KernelCounts counts;
+      kernel.closest(list, {.reach = 1}, whole, counts);
+      for (int first = 0; first < list.size(); first += part)
+        kernel.closest(list.part(first, part), {.reach = 1}, parts, counts);
+      ASSERT_EQ(whole.size(), parts.size()) << testing::PrintToString(kernel) << ", parts of " << part;
+      for (int k = 0; k < whole.size(); ++k) {
+        ASSERT_EQ(whole[k].i, parts[k].i);
+        ASSERT_EQ(whole[k].j, parts[k].j);
+        ASSERT_TRUE(same(whole[k].closest, parts[k].closest))
+            << testing::PrintToString(kernel) << ", parts of " << part;
+      }
+    }
+}
+
 } // namespace trigrain
