@@ -55,8 +55,19 @@ template <class T> inline constexpr bool is_pack = lanes_of<T> > 1;
 /// Spacing of the numbers at 1 in T's precision: 2^-52 or 2^-23.
 template <class T> inline constexpr double epsilon_of = std::numeric_limits<ScalarOf<T>>::epsilon();
 
+/// A number in all lanes. (GCC 12 calls a function per lane for simd's own constructor where it does not inline it.)
+template <class T> [[gnu::always_inline]] inline T broadcast(ScalarOf<T> x) {
+  using Vector [[gnu::vector_size(lanes_of<T> * sizeof(ScalarOf<T>))]] = ScalarOf<T>;
+  if constexpr (is_pack<T> && std::is_constructible_v<T, Vector>)
+    return T(x - Vector{});
+  else
+    return T(x);
+}
+
 /// A constant in all lanes, rounded to T's precision.
-template <class T> [[gnu::always_inline]] inline T constant(double x) { return T(static_cast<ScalarOf<T>>(x)); }
+template <class T> [[gnu::always_inline]] inline T constant(double x) {
+  return broadcast<T>(static_cast<ScalarOf<T>>(x));
+}
 
 // The verbs that a kernel text needs beside + - * / and comparisons, for one number and for a pack. `&` joins masks.
 // A call among them would spill every register of the caller, hence always_inline.
@@ -95,23 +106,13 @@ template <class T, class To> [[gnu::always_inline]] inline void store(const T& x
     x.copy_to(to, stdx::element_aligned);
 }
 
-namespace detail {
-/// A pack's worth of doubles, as one pack or several, beside a pack of floats.
+/// Doubles that go into a pack of T, in one pack of doubles or in `halves` of them.
 template <class T> inline constexpr int halves = lanes_of<T> > lane_count ? lanes_of<T> / lane_count : 1;
 template <class T> using Wide = Pack<double, lanes_of<T> / halves<T>>;
-} // namespace detail
 
-/// from[lane] - minus[lane], or minus[0] in all lanes, taken in double and then rounded to T.
-template <class T, class Minus> [[gnu::always_inline]] inline T load_difference(const double* from, Minus minus) {
-  using Wide = detail::Wide<T>;
-  constexpr int width = lanes_of<Wide>;
-  const auto part = [&](int k) {
-    if constexpr (std::is_pointer_v<Minus>)
-      return load<Wide>(from + k * width) - load<Wide>(minus + k * width);
-    else
-      return load<Wide>(from + k * width) - Wide(minus);
-  };
-  if constexpr (std::is_same_v<T, Wide>) return part(0);
+/// A pack of T from part(0), part(1), ... of doubles (Wide<T>), rounded where T is of floats.
+template <class T, class Part> [[gnu::always_inline]] inline T rounded(Part part) {
+  if constexpr (std::is_same_v<T, Wide<T>>) return part(0);
 #ifdef __AVX512F__
   else if constexpr (lanes_of<T> == 16) {
     const __m256 low = _mm512_cvtpd_ps(static_cast<__m512d>(part(0))),
@@ -120,9 +121,9 @@ template <class T, class Minus> [[gnu::always_inline]] inline T load_difference(
   }
 #endif
   else {
-    std::array<ScalarOf<T>, lanes_of<T>> rounded;
-    for (int k = 0; k < detail::halves<T>; ++k) store(part(k), rounded.data() + k * width);
-    return load<T>(rounded.data());
+    std::array<ScalarOf<T>, lanes_of<T>> each;
+    for (int k = 0; k < halves<T>; ++k) store(part(k), each.data() + k * lanes_of<Wide<T>>);
+    return load<T>(each.data());
   }
 }
 

@@ -22,10 +22,16 @@ template <class T> class PairPack {
   static constexpr int lanes = lanes_of<T>;
 
   explicit PairPack(const PairList& list) : index_(list.pairs) {
-    if (is_row())
-      load_row(list);
+    // Sorted lists and lists of all pairs give packs of one triangle, or of neighbours, of either side: these are
+    // cheap.
+    const bool one_a = is_run(&PairIndex::i, 0), run_a = is_run(&PairIndex::i, 1), run_b = is_run(&PairIndex::j, 1);
+    const auto [i, j] = index_[0];
+    if (one_a && run_b)
+      load(One{list.a, i}, Run{list.b, j});
+    else if (run_a && run_b)
+      load(Run{list.a, i}, Run{list.b, j});
     else
-      load_scattered(list);
+      load(Scattered(list.a, *this, &PairIndex::i), Scattered(list.b, *this, &PairIndex::j));
   }
 
   int size() const { return static_cast<int>(index_.size()); }
@@ -78,14 +84,42 @@ template <class T> class PairPack {
  private:
   using Column = std::array<double, lanes>;
 
-  /// One triangle of A against neighbours of B, as in a list of all pairs.
-  bool is_row() const {
+  /// Do the lanes hold triangle k, k + step, k + 2 step, ... of one side?
+  bool is_run(int PairIndex::*side, int step) const {
     if (size() < lanes) return false;
-    const auto [i, j] = index_[0];
     int other = 0;
-    for (int lane = 0; lane < lanes; ++lane) other |= (index_[lane].i ^ i) | (index_[lane].j ^ (j + lane));
+    for (int lane = 0; lane < lanes; ++lane) other |= index_[lane].*side ^ (index_[0].*side + step * lane);
     return other == 0;
   }
+
+  // Where the triangles of one side are: coordinate c of half k of the lanes.
+  using Doubles = Wide<T>;
+  static constexpr int width = lanes_of<Doubles>;
+
+  struct One {
+    const TrianglesView& t;
+    int first;
+    [[gnu::always_inline]] Doubles operator()(int c, int) const { return broadcast<Doubles>(t.coordinate[c][first]); }
+  };
+  struct Run {
+    const TrianglesView& t;
+    int first;
+    [[gnu::always_inline]] Doubles operator()(int c, int k) const {
+      return trigrain::load<Doubles>(t.coordinate[c] + first + k * width);
+    }
+  };
+  struct Scattered {
+    std::array<Column, 9> x;
+    Scattered(const TrianglesView& t, const PairPack& pack, int PairIndex::*side) {
+      for (int lane = 0; lane < lanes; ++lane) {
+        const int k = pack.index_[std::min(lane, pack.size() - 1)].*side;
+        for (int c = 0; c < 9; ++c) x[c][lane] = t.coordinate[c][k];
+      }
+    }
+    [[gnu::always_inline]] Doubles operator()(int c, int k) const {
+      return trigrain::load<Doubles>(x[c].data() + k * width);
+    }
+  };
 
   static constexpr bool has_unit = std::is_same_v<ScalarOf<T>, float>;
 
@@ -107,41 +141,25 @@ template <class T> class PairPack {
     }
   }
 
-  [[gnu::flatten]] void load_row(const PairList& list) {
-    const auto [i, j] = index_[0];
-    const Triangle a = list.a[i];
-    const std::array<double, 3> a0{a.a0.x, a.a0.y, a.a0.z};
-    for (int axis = 0; axis < 3; ++axis) origin_[axis].fill(a0[axis]);
-    const auto seen_from_a0 = [&](const Vec3<double>& x) {
-      return Vec3<T>{constant<T>(x.x - a.a0.x), constant<T>(x.y - a.a0.y), constant<T>(x.z - a.a0.z)};
-    };
-    pair_.a = {seen_from_a0(a.a0), seen_from_a0(a.a1), seen_from_a0(a.a2)};
-    for (int k = 0; k < 3; ++k) {
-      const auto axis = [&, j = j](int x) { return load_difference<T>(list.b.coordinate[3 * k + x] + j, a0[x]); };
-      pair_.b[k] = {axis(0), axis(1), axis(2)};
-    }
+  template <class A, class B> [[gnu::flatten]] void load(const A& a, const B& b) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (int k = 0; k < halves<T>; ++k) store(a(axis, k), origin_[axis].data() + k * width);
+    const T zero = broadcast<T>(0);
+    pair_.a = {Vec3<T>{zero, zero, zero}, corner(a, a, 1), corner(a, a, 2)};
+    pair_.b = {corner(b, a, 0), corner(b, a, 1), corner(b, a, 2)};
     finish();
   }
 
-  [[gnu::flatten]] void load_scattered(const PairList& list) {
-    std::array<Column, 9> a, b;
-    for (int lane = 0; lane < lanes; ++lane) {
-      const auto [i, j] = index_[std::min(lane, size() - 1)];
-      for (int c = 0; c < 9; ++c) {
-        a[c][lane] = list.a.coordinate[c][i];
-        b[c][lane] = list.b.coordinate[c][j];
-      }
-    }
-    for (int axis = 0; axis < 3; ++axis) origin_[axis] = a[axis];
-    for (int k = 0; k < 3; ++k) {
-      const auto corner = [&](const std::array<Column, 9>& of) {
-        const auto axis = [&](int x) { return load_difference<T>(of[3 * k + x].data(), origin_[x].data()); };
-        return Vec3<T>{axis(0), axis(1), axis(2)};
-      };
-      pair_.a[k] = corner(a);
-      pair_.b[k] = corner(b);
-    }
-    finish();
+  /// Corner of triangle `of` seen from corner 0 of triangle `a`.
+  template <class Of, class A> [[gnu::always_inline]] static Vec3<T> corner(const Of& of, const A& a, int number) {
+    return {difference(of, a, 3 * number, 0), difference(of, a, 3 * number + 1, 1),
+            difference(of, a, 3 * number + 2, 2)};
+  }
+  template <class Of, class A> [[gnu::always_inline]] static T difference(const Of& of, const A& a, int c, int axis) {
+    if constexpr (std::is_same_v<T, Doubles>)
+      return of(c, 0) - a(axis, 0);
+    else
+      return rounded<T>([&](int k) { return of(c, k) - a(axis, k); });
   }
 
   std::span<const PairIndex> index_;
