@@ -127,24 +127,46 @@ template <class T, class Part> [[gnu::always_inline]] inline T rounded(Part part
   }
 }
 
-/// to[0], to[1], ... = x[lane] + plus[lane], in double, for the lanes whose bit is set. Writes a whole pack: what
-/// follows the last of them is undefined.
-template <class T>
-[[gnu::always_inline]] inline void store_sum(const T& x, const double* plus, unsigned bits, double* to) {
-  std::array<double, lanes_of<T>> sum;
-  if constexpr (std::is_same_v<T, Lanes>) {
-    const T all = x + load<T>(plus);
+/// Half k of a pack (the pack itself where it is of doubles), in double.
+template <class T> [[gnu::always_inline]] inline Wide<T> half(const T& x, int k) {
+  if constexpr (std::is_same_v<T, Wide<T>>) return x;
 #ifdef __AVX512F__
-    store(T(_mm512_maskz_compress_pd(static_cast<__mmask8>(bits), static_cast<__m512d>(all))), to);
-    return;
+  else if constexpr (lanes_of<T> == 16) {
+    const __m512 all = static_cast<__m512>(x);
+    return Wide<T>(_mm512_cvtps_pd(k == 0 ? _mm512_castps512_ps256(all) : _mm512_extractf32x8_ps(all, 1)));
+  }
 #endif
-    store(all, sum.data());
-  } else {
+  else {
     std::array<ScalarOf<T>, lanes_of<T>> each;
     store(x, each.data());
-    for (int lane = 0; lane < lanes_of<T>; ++lane) sum[lane] = static_cast<double>(each[lane]) + plus[lane];
+    return load<Wide<T>>(each.data() + k * lanes_of<Wide<T>>);
   }
-  for (; bits != 0; bits &= bits - 1) *to++ = sum[std::countr_zero(bits)];
+}
+
+/// to[0], to[1], ... = those of the lanes whose bit is set. Writes a whole pack: what follows the last of them is
+/// undefined.
+template <class W> [[gnu::always_inline]] inline void store_selected(const W& x, unsigned bits, double* to) {
+#ifdef __AVX512F__
+  if constexpr (lanes_of<W> == 8) {
+    store(W(_mm512_maskz_compress_pd(static_cast<__mmask8>(bits), static_cast<__m512d>(x))), to);
+    return;
+  }
+#endif
+  std::array<double, lanes_of<W>> each;
+  store(x, each.data());
+  for (; bits != 0; bits &= bits - 1) *to++ = each[std::countr_zero(bits)];
+}
+
+/// to[0], to[1], ... = x[lane] + plus[lane], in double, for the lanes whose bit is set; writes like store_selected().
+template <class T>
+[[gnu::always_inline]] inline void store_sum(const T& x, const double* plus, unsigned bits, double* to) {
+  constexpr int width = lanes_of<Wide<T>>;
+  for (int k = 0; k < halves<T>; ++k) {
+    const Wide<T> sum = half(x, k) + load<Wide<T>>(plus + k * width);
+    const unsigned of_half = bits >> (k * width) & ((1u << width) - 1);
+    store_selected(sum, of_half, to);
+    to += std::popcount(of_half);
+  }
 }
 
 template <class T> [[gnu::always_inline]] inline ScalarOf<T> lane_of(const T& x, int lane) {

@@ -72,12 +72,15 @@ template <class T> class PairPack {
     std::array<int, lanes> feature;
     store(from.feature, feature.data());
     const int count = std::popcount(bits);
-    for (int k = 0; k < count; ++k, bits &= bits - 1) {
-      const int lane = std::countr_zero(bits);
+    const auto note = [&](int k, int lane) {
       hits.next_i()[k] = index_[lane].i;
       hits.next_j()[k] = index_[lane].j;
       hits.next_feature()[k] = feature[lane];
-    }
+    };
+    if (count == lanes)
+      for (int lane = 0; lane < lanes; ++lane) note(lane, lane);
+    else
+      for (int k = 0; k < count; ++k, bits &= bits - 1) note(k, std::countr_zero(bits));
     hits.added(count);
   }
 
