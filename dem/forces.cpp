@@ -52,13 +52,11 @@ void contact_forces(const Particles& p, const ContactParameters& law, double ste
   }
 }
 
-void add_contact_loads(const Particles& p, std::span<const Contact> contacts, Loads& loads) {
-  for (const Contact& c : contacts) {
-    loads.force[c.a] += c.force;
-    loads.force[c.b] -= c.force;
-    loads.torque[c.a] += (c.point - p.position[c.a]).cross(c.force) + c.torque;
-    loads.torque[c.b] -= (c.point - p.position[c.b]).cross(c.force) + c.torque;
-  }
+void add_contact_load(const Particles& p, const Contact& c, bool to_a, Loads& loads) {
+  const int body = to_a ? c.a : c.b;
+  const double sign = to_a ? 1 : -1;
+  loads.force[body] += sign * c.force;
+  loads.torque[body] += sign * ((c.point - p.position[body]).cross(c.force) + c.torque);
 }
 
 double elastic_energy(const ContactParameters& law, std::span<const Contact> contacts) {

@@ -17,8 +17,8 @@ void carry_springs(std::span<const Contact> last, std::span<Contact> contacts);
 void contact_forces(const Particles& particles, const ContactParameters& law, double step_s,
                     std::span<Contact> contacts);
 
-/// Adds the contact forces to the loads of both bodies, in the order of the contacts.
-void add_contact_loads(const Particles& particles, std::span<const Contact> contacts, Loads& loads);
+/// Adds the force of a contact to the loads of one of its bodies.
+void add_contact_load(const Particles& particles, const Contact& contact, bool to_a, Loads& loads);
 
 /// What the springs hold (J).
 double elastic_energy(const ContactParameters& law, std::span<const Contact> contacts);

@@ -7,6 +7,9 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Triangle pairs of a part: some microseconds of a kernel, and a multiple of every batch.
+constexpr int part_size = 256;
+
 Vec3<double> vec3(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Vector3d eigen(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 
@@ -60,29 +63,55 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
   }
 }
 
-void collide_meshes(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer) {
+/// Triangle pairs that may be within reach, in the frame of A, where coordinates are as small as the bodies.
+void find_candidates(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer) {
   const Mesh &a = *particles.mesh[pair.a], &b = *particles.mesh[pair.b];
-  // 1 triangle pairs that may be within reach, in the frame of A, where coordinates are as small as the bodies
   const Vector3d centre_b = to_body(particles, pair.a, particles.position[pair.b]);
   const Eigen::Matrix3d turn =
       (particles.orientation[pair.a].conjugate() * particles.orientation[pair.b]).toRotationMatrix();
   const Placement b_in_a{{vec3(turn.row(0)), vec3(turn.row(1)), vec3(turn.row(2))}, vec3(centre_b)};
-  Candidates& candidates = buffer.candidates;
   narrow.precheck->pairs({a.triangles.view(), &a.octree}, {b.triangles.view(), &b.octree}, b_in_a, buffer.reach,
-                         candidates);
-  // 2 the kernel
-  buffer.hits.clear();
-  narrow.kernel->closest({a.triangles.view(), candidates.b.view(), candidates.pairs}, {.reach = buffer.reach},
-                         buffer.hits, buffer.kernel);
-  if (buffer.hits.empty()) return;
-  // 3 contacts in the world
+                         buffer.candidates);
+}
+
+/// The kernel on candidates [first, first + count), appended to `hits`.
+void solve(const Particles& particles, BodyPair pair, const Candidates& candidates, int first, int count,
+           const NarrowPhase& narrow, WorkerBuffer& buffer, Hits& hits) {
+  const PairList list{particles.mesh[pair.a]->triangles.view(), candidates.b.view(), candidates.pairs};
+  narrow.kernel->closest(list.part(first, count), {.reach = buffer.reach}, hits, buffer.kernel);
+}
+
+/// Contacts in the world.
+void add_contacts(const Particles& particles, BodyPair pair, const Candidates& candidates, const Hits& hits,
+                  WorkerBuffer& buffer) {
+  if (hits.empty()) return;
   const Eigen::Matrix3d to_world = particles.orientation[pair.a].toRotationMatrix();
-  for (int k = 0; k < buffer.hits.size(); ++k) {
-    const Hit hit = buffer.hits[k];
+  for (int k = 0; k < hits.size(); ++k) {
+    const Hit hit = hits[k];
     const Vector3d p = eigen(hit.closest.p), q = eigen(hit.closest.q);
     add_contact(pair, hit.i, candidates.number_b[hit.j], particles.position[pair.a] + to_world * ((p + q) / 2),
                 to_world * (p - q), buffer);
   }
+}
+
+/// Hands the candidates in the buffer over, cut into parts.
+SplitPair* split_up(BodyPair pair, WorkerBuffer& buffer, SplitPairs& into) {
+  SplitPair& split = into.next();
+  split.pair = pair;
+  split.reach = buffer.reach;
+  std::swap(split.candidates, buffer.candidates);
+  split.parts = (static_cast<int>(split.candidates.pairs.size()) + part_size - 1) / part_size;
+  split.parts_left.store(split.parts, std::memory_order_relaxed);
+  if (split.hits.size() < static_cast<std::size_t>(split.parts)) split.hits.resize(split.parts);
+  return &split;
+}
+
+/// Reduces the contacts from `first` on, all of one body pair.
+void finish(const Particles& particles, BodyPair pair, std::size_t first, const NarrowPhase& narrow,
+            WorkerBuffer& buffer) {
+  if (buffer.contacts.size() > first) narrow.rule->reduce(particles, buffer.contacts, first);
+  const auto count = static_cast<int>(buffer.contacts.size() - first);
+  if (count > 0) buffer.found.push_back({pair.a, pair.b, static_cast<int>(first), count});
 }
 
 } // namespace
@@ -95,21 +124,41 @@ bool may_touch(const Particles& p, BodyPair pair, const Precheck& precheck) {
 
 void WorkerBuffer::clear() {
   contacts.clear();
+  found.clear();
   candidate_pairs = body_pairs = crossings = 0;
   kernel = {};
 }
 
-void collide(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer) {
+SplitPair* collide(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer,
+                   SplitPairs* split) {
   const std::size_t first = buffer.contacts.size();
   buffer.reach = particles.halo[pair.a] + particles.halo[pair.b];
   const bool sphere_a = particles.is_sphere(pair.a), sphere_b = particles.is_sphere(pair.b);
-  if (sphere_a && sphere_b)
+  if (sphere_a && sphere_b) {
     collide_spheres(particles, pair, buffer);
-  else if (sphere_a || sphere_b)
+  } else if (sphere_a || sphere_b) {
     collide_sphere_mesh(particles, pair, narrow, buffer);
-  else
-    collide_meshes(particles, pair, narrow, buffer);
-  if (buffer.contacts.size() > first) narrow.rule->reduce(particles, buffer.contacts, first);
+  } else {
+    find_candidates(particles, pair, narrow, buffer);
+    const auto count = static_cast<int>(buffer.candidates.pairs.size());
+    if (split && count > part_size) return split_up(pair, buffer, *split);
+    buffer.hits.clear();
+    solve(particles, pair, buffer.candidates, 0, count, narrow, buffer, buffer.hits);
+    add_contacts(particles, pair, buffer.candidates, buffer.hits, buffer);
+  }
+  finish(particles, pair, first, narrow, buffer);
+  return nullptr;
+}
+
+void solve_part(const Particles& particles, SplitPair& split, int part, const NarrowPhase& narrow,
+                WorkerBuffer& buffer) {
+  buffer.reach = split.reach;
+  split.hits[part].clear();
+  solve(particles, split.pair, split.candidates, part * part_size, part_size, narrow, buffer, split.hits[part]);
+  if (split.parts_left.fetch_sub(1, std::memory_order_acq_rel) > 1) return;
+  const std::size_t first = buffer.contacts.size();
+  for (int k = 0; k < split.parts; ++k) add_contacts(particles, split.pair, split.candidates, split.hits[k], buffer);
+  finish(particles, split.pair, first, narrow, buffer);
 }
 
 } // namespace trigrain

@@ -2,6 +2,8 @@
 #include "dem/contact_rule.hpp"
 #include "dem/grid.hpp"
 #include "kernels/precheck.hpp"
+#include <atomic>
+#include <deque>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -18,9 +20,35 @@ struct NarrowPhase {
   const ContactRule* rule;
 };
 
+/// A body pair that touches: its contacts are [first, first + count) of a worker's.
+struct FoundPair {
+  int a, b;
+  int first, count;
+};
+
+/// A body pair whose triangle pairs are many: any worker may solve any part of them, the last one makes the contacts.
+struct SplitPair {
+  BodyPair pair;
+  double reach; ///< m
+  Candidates candidates;
+  std::vector<Hits> hits; ///< of each part
+  int parts = 0;
+  std::atomic<int> parts_left = 0;
+};
+/// Those of a step; refilling does not allocate, and references stay valid.
+struct SplitPairs {
+  std::deque<SplitPair> all;
+  int used = 0;
+  SplitPair& next() {
+    if (used == static_cast<int>(all.size())) all.emplace_back();
+    return all[used++];
+  }
+};
+
 /// What one worker finds during a step, and its scratch memory. Written by that worker only.
 struct WorkerBuffer {
   std::vector<Contact> contacts; ///< contacts of one body pair stand together, in the order of their features
+  std::vector<FoundPair> found;
   std::int64_t candidate_pairs = 0, body_pairs = 0;
   std::int64_t crossings = 0; ///< triangle or sphere pairs found at distance 0
   KernelCounts kernel;
@@ -35,7 +63,13 @@ struct WorkerBuffer {
 };
 
 /// Finds the contacts of one body pair and appends them to the buffer. Crossing surfaces have no normal: they are
-/// counted and give no contact.
-void collide(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer);
+/// counted and give no contact. If it has more triangle pairs than one part, and `split` is given, the pair is left
+/// there for solve_part() instead, and returned.
+SplitPair* collide(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer,
+                   SplitPairs* split = nullptr);
+
+/// Solves one of split.parts; the last of them to end appends the contacts to its worker's buffer.
+void solve_part(const Particles& particles, SplitPair& split, int part, const NarrowPhase& narrow,
+                WorkerBuffer& buffer);
 
 } // namespace trigrain

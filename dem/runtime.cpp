@@ -6,7 +6,6 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
-#include <vector>
 
 namespace trigrain {
 
@@ -29,9 +28,12 @@ void serial_for(Team&, int count, int, RangeBody body) {
   if (count > 0) body(0, count, 0);
 }
 
-void serial_produce(Team&, Producer producer, Consumer consumer) {
-  producer([&](const void* task) { consumer(task, 0); });
-}
+struct SerialSpawn {
+  const Consumer& consumer;
+  void operator()(const Task& task) const { consumer(task, 0, *this); }
+};
+
+void serial_produce(Team&, Producer producer, Consumer consumer) { producer(SerialSpawn{consumer}); }
 
 // --- OpenMP
 
@@ -42,15 +44,21 @@ void openmp_for(Team& team, int count, int grain, RangeBody body) {
     body(block * grain, std::min(count, (block + 1) * grain), omp_get_thread_num());
 }
 
+struct OpenmpSpawn { // outlives the tasks, which the frame that spawns them does not
+  const Consumer& consumer;
+  void operator()(const Task& task) const {
+    const OpenmpSpawn* self = this;
+    const Task* what = &task;
+#pragma omp task firstprivate(self, what)
+    self->consumer(*what, omp_get_thread_num(), *self);
+  }
+};
+
 void openmp_produce(Team& team, Producer producer, Consumer consumer) {
-  const Consumer* run = &consumer; // outlives the tasks, which the frame that spawns them does not
+  const OpenmpSpawn spawn{consumer};
 #pragma omp parallel num_threads(team.threads())
 #pragma omp single
-  producer([run](const void* task) {
-    const Consumer* consume = run;
-#pragma omp task firstprivate(task, consume)
-    (*consume)(task, omp_get_thread_num());
-  });
+  producer(spawn);
   // The barrier at the end of `single` joins all tasks.
 }
 
@@ -64,12 +72,19 @@ void tbb_for(Team& team, int count, int grain, RangeBody body) {
   });
 }
 
+struct TbbSpawn {
+  tbb::task_group& tasks;
+  const Consumer& consumer;
+  void operator()(const Task& task) const {
+    tasks.run([this, &task] { consumer(task, tbb::this_task_arena::current_thread_index(), *this); });
+  }
+};
+
 void tbb_produce(Team& team, Producer producer, Consumer consumer) {
   team.arena()->arena.execute([&] {
     tbb::task_group tasks;
-    producer([&](const void* task) {
-      tasks.run([task, &consumer] { consumer(task, tbb::this_task_arena::current_thread_index()); });
-    });
+    const TbbSpawn spawn{tasks, consumer};
+    producer(spawn);
     tasks.wait();
   });
 }
@@ -94,28 +109,31 @@ void Team::parallel_for(int count, int grain, RangeBody body) {
   if (!observer_) return runtime_.parallel_for(*this, count, grain, body);
   observer_->end(phase_);
   runtime_.parallel_for(*this, count, grain, [&](int begin, int end, int worker) {
-    const ObservedPiece piece(observer_, phase_);
+    const ObservedPiece piece(observer_, phase_, Piece::loop);
     body(begin, end, worker);
   });
-  observer_->begin(phase_);
+  observer_->begin(phase_, Piece::serial, nullptr);
 }
 
 void Team::produce(Producer producer, Consumer consumer) {
   if (!observer_) return runtime_.produce(*this, producer, consumer);
   observer_->end(phase_);
-  const auto observed_producer = [&](Spawn spawn) {
-    const ObservedPiece piece(observer_, phase_);
-    producer([&](const void* task) { // a runtime may run the task at once, on this thread
-      observer_->end(phase_);
-      spawn(task);
-      observer_->begin(phase_);
-    });
+  // A runtime may run the task at once, on this thread.
+  const auto spawn_between = [this](Piece piece, const Task* spawner, Spawn spawn, const Task& task) {
+    observer_->end(phase_);
+    if (observer_->spawn) observer_->spawn(&task);
+    spawn(task);
+    observer_->begin(phase_, piece, spawner);
   };
-  runtime_.produce(*this, observed_producer, [&](const void* task, int worker) {
-    const ObservedPiece piece(observer_, phase_);
-    consumer(task, worker);
+  const auto observed_producer = [&](Spawn spawn) {
+    const ObservedPiece piece(observer_, phase_, Piece::traverse);
+    producer([&](const Task& task) { spawn_between(Piece::traverse, nullptr, spawn, task); });
+  };
+  runtime_.produce(*this, observed_producer, [&](const Task& task, int worker, Spawn spawn) {
+    const ObservedPiece piece(observer_, phase_, task.piece, &task);
+    consumer(task, worker, [&](const Task& next) { spawn_between(task.piece, &task, spawn, next); });
   });
-  observer_->begin(phase_);
+  observer_->begin(phase_, Piece::serial, nullptr);
 }
 
 } // namespace trigrain

@@ -24,12 +24,16 @@ template <class Result, class... Arguments> class FunctionRef<Result(Arguments..
 
 /// body(begin, end, worker): handle [begin, end); `worker` in [0, threads) is not used by two threads at once.
 using RangeBody = FunctionRef<void(int begin, int end, int worker)>;
-/// Hands a task over; it may start at once on another thread.
-using Spawn = FunctionRef<void(const void* task)>;
+/// What is handed over; runtimes know no more of it than what to call it.
+struct Task {
+  Piece piece = Piece::compare;
+};
+/// Hands a task over; it may start at once, on another thread or on this one.
+using Spawn = FunctionRef<void(const Task& task)>;
 /// Runs on one thread and spawns tasks.
 using Producer = FunctionRef<void(Spawn spawn)>;
-/// Runs one task.
-using Consumer = FunctionRef<void(const void* task, int worker)>;
+/// Runs one task, which may spawn more.
+using Consumer = FunctionRef<void(const Task& task, int worker, Spawn spawn)>;
 
 class Team;
 
@@ -52,8 +56,8 @@ class Team {
 
   /// Shares [0, count) out in blocks of about `grain`; returns when all are done.
   void parallel_for(int count, int grain, RangeBody body);
-  /// Producer-consumer: one thread runs `producer`, the others take what it spawns, and it helps once it has ended;
-  /// returns when every task is done.
+  /// Producer-consumer: one thread runs `producer`, the others take what is spawned, and it helps once it has ended;
+  /// returns when every task is done. Tasks outlive the call.
   void produce(Producer producer, Consumer consumer);
 
   /// From now on `observer` (may be null) is told of every piece of the phase that the workers run. The caller's own

@@ -1,4 +1,5 @@
 #include "dem/simulation.hpp"
+#include "dem/contact_list.hpp"
 #include "dem/critical_step.hpp"
 #include "dem/forces.hpp"
 #include "dem/motion.hpp"
@@ -13,13 +14,13 @@
 namespace trigrain {
 namespace {
 
-constexpr int grain = 256; // contacts or bodies a worker takes at a time
+constexpr int grain = 128; // body pairs or bodies a worker takes at a time
 
 /// A phase of a step: adds the wall time of the scope, and tells who observes.
 class PhaseScope {
  public:
   PhaseScope(StepStats& stats, Phase phase, Team& team, const PhaseObserver* observer)
-      : seconds_(stats.seconds[static_cast<std::size_t>(phase)]), piece_(observer, phase) {
+      : seconds_(stats.seconds[static_cast<std::size_t>(phase)]), piece_(observer, phase, Piece::serial) {
     team.observe(observer, phase);
   }
   ~PhaseScope() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -28,12 +29,6 @@ class PhaseScope {
   double& seconds_;
   ObservedPiece piece_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-/// The contacts of one body pair within a worker's buffer.
-struct Run {
-  int a, b, worker;
-  int first, count;
 };
 
 const Runtime& runtime_for(const Options& options, const Scheme& scheme) {
@@ -60,8 +55,9 @@ struct Simulation::State {
   Grid grid;
   Team team;
   std::vector<WorkerBuffer> buffers;
-  std::vector<Run> runs;
-  std::vector<Contact> contacts, last_contacts;
+  Layers layers;
+  std::vector<TaskPool> pools;
+  ContactList contacts;
   Loads loads, next_loads; // next_loads: what add_load() gathered for the next step
   bool has_next_loads = false;
   double time = 0;
@@ -82,6 +78,8 @@ struct Simulation::State {
                        ": time.step_s). Take a smaller step or a softer contact.");
     step = scene.time.step;
     buffers.resize(team.threads());
+    pools = std::vector<TaskPool>(team.threads() + 1);
+    layers = layers_named(options.layers == "default" ? scheme.layers : options.layers);
     for (Loads* l : {&loads, &next_loads}) {
       l->force.assign(n, Eigen::Vector3d::Zero());
       l->torque.assign(n, Eigen::Vector3d::Zero());
@@ -123,7 +121,7 @@ void Simulation::State::update_grid(StepStats& stats) {
 
 void Simulation::State::detect(StepStats& stats) {
   for (WorkerBuffer& buffer : buffers) buffer.clear();
-  scheme.detect({grid, particles, narrow, buffers}, team);
+  scheme.detect({grid, particles, narrow, layers, buffers, pools}, team);
   for (const WorkerBuffer& buffer : buffers) {
     stats.candidate_pairs += buffer.candidate_pairs;
     stats.body_pairs += buffer.body_pairs;
@@ -134,42 +132,28 @@ void Simulation::State::detect(StepStats& stats) {
   }
 }
 
-/// Brings the buffers' contacts into one order that does not depend on who found them.
 void Simulation::State::merge(StepStats& stats) {
-  last_contacts.swap(contacts);
-  contacts.clear();
-  runs.clear();
-  for (std::size_t worker = 0; worker < buffers.size(); ++worker) {
-    const std::vector<Contact>& found = buffers[worker].contacts;
-    for (std::size_t c = 0; c < found.size(); ++c) {
-      if (c == 0 || found[c].a != found[c - 1].a || found[c].b != found[c - 1].b)
-        runs.push_back({found[c].a, found[c].b, static_cast<int>(worker), static_cast<int>(c), 0});
-      ++runs.back().count;
-    }
-  }
-  std::sort(runs.begin(), runs.end(), [](const Run& l, const Run& r) { return l.a != r.a ? l.a < r.a : l.b < r.b; });
-  for (const Run& run : runs) {
-    const auto first = buffers[run.worker].contacts.begin() + run.first;
-    contacts.insert(contacts.end(), first, first + run.count);
-  }
-  stats.contacts += static_cast<std::int64_t>(contacts.size());
+  contacts.gather(buffers, particles, team);
+  stats.contacts += static_cast<std::int64_t>(contacts.contacts().size());
 }
 
 void Simulation::State::forces() {
-  carry_springs(last_contacts, contacts);
-  team.parallel_for(static_cast<int>(contacts.size()), grain, [&](int begin, int end, int) {
-    contact_forces(particles, scene.contact, step.now, std::span(contacts).subspan(begin, end - begin));
+  team.parallel_for(contacts.pairs(), grain, [&](int begin, int end, int) {
+    for (int pair = begin; pair < end; ++pair) {
+      carry_springs(contacts.last_of_pair(pair), contacts.of_pair(pair));
+      contact_forces(particles, scene.contact, step.now, contacts.of_pair(pair));
+    }
   });
-  if (has_next_loads) {
-    std::swap(loads, next_loads);
-    std::fill(next_loads.force.begin(), next_loads.force.end(), Eigen::Vector3d::Zero());
-    std::fill(next_loads.torque.begin(), next_loads.torque.end(), Eigen::Vector3d::Zero());
-    has_next_loads = false;
-  } else {
-    std::fill(loads.force.begin(), loads.force.end(), Eigen::Vector3d::Zero());
-    std::fill(loads.torque.begin(), loads.torque.end(), Eigen::Vector3d::Zero());
-  }
-  add_contact_loads(particles, contacts, loads);
+  if (has_next_loads) std::swap(loads, next_loads);
+  Loads& old = has_next_loads ? next_loads : loads; // what was added from outside stays
+  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
+    std::fill(old.force.begin() + begin, old.force.begin() + end, Eigen::Vector3d::Zero());
+    std::fill(old.torque.begin() + begin, old.torque.begin() + end, Eigen::Vector3d::Zero());
+    for (int body = begin; body < end; ++body)
+      if (!particles.fixed(body))
+        contacts.for_body(body, [&](const Contact& c, bool is_a) { add_contact_load(particles, c, is_a, loads); });
+  });
+  has_next_loads = false;
 }
 
 void Simulation::State::integrate() {
@@ -223,7 +207,7 @@ StepStats Simulation::run(std::int64_t steps) {
 const Scene& Simulation::scene() const { return state_->scene; }
 const Options& Simulation::options() const { return state_->options; }
 const Particles& Simulation::particles() const { return state_->particles; }
-const std::vector<Contact>& Simulation::contacts() const { return state_->contacts; }
+const std::vector<Contact>& Simulation::contacts() const { return state_->contacts.contacts(); }
 double Simulation::time() const { return state_->time; }
 double Simulation::step_size() const { return state_->step.now; }
 
@@ -232,7 +216,7 @@ Energy Simulation::energy() const {
   const Particles p = s.time > 0 ? centred(s.particles, s.loads, s.scene.gravity, s.step.now) : s.particles;
   return {.kinetic = kinetic_energy(p),
           .potential = potential_energy(p, s.scene.gravity),
-          .elastic = elastic_energy(s.scene.contact, s.contacts)};
+          .elastic = elastic_energy(s.scene.contact, s.contacts.contacts())};
 }
 
 /// FNV-1a over 8-byte words.

@@ -18,6 +18,7 @@ struct Options {
   std::string contact_rule = "features";
   std::string scheme = "serial";
   std::string runtime = "default"; ///< "tbb", "openmp", or the one the scheme was published with
+  std::string layers = "default";  ///< what is shared out: "grid", "particle", "triangle", joined by +
   int threads = 1;
   int subdivision = 3;                     ///< k: a grid cell splits into k^3
   const PhaseObserver* observer = nullptr; ///< told of every piece of work; outlives the simulation

@@ -1,6 +1,6 @@
 #include "experiments/command_line.hpp"
-#include "dem/narrow_phase.hpp"
 #include "dem/grid.hpp"
+#include "dem/narrow_phase.hpp"
 #include "dem/runtime.hpp"
 #include "dem/scheme.hpp"
 #include "experiments/final_state.hpp"
@@ -53,6 +53,7 @@ void add_engine_options(CLI::App& app, BenchRequest& r) {
   engine(app.add_option("--contact-rule", r.options.contact_rule));
   engine(app.add_option("--scheme", r.options.scheme));
   engine(app.add_option("--runtime", r.options.runtime));
+  engine(app.add_option("--layers", r.options.layers, "what is shared out: grid, particle, triangle, joined by +"));
   engine(app.add_option("--threads", r.options.threads))->check(CLI::PositiveNumber);
   engine(app.add_option("--subdivision", r.options.subdivision, "a grid cell splits into k^3"))
       ->check(CLI::PositiveNumber);
@@ -75,6 +76,7 @@ void add_run_options(CLI::App& app, BenchRequest& r) {
   output(app.add_option("--param", r.extra_params, "key=value, copied into the record's params; may be repeated"))
       ->allow_extra_args(false);
   output(app.add_option("--final-state", r.final_state, "JSON of where the bodies ended"));
+  output(app.add_option("--trace", r.trace, "every piece of work of every thread, in Chrome's trace format"));
   auto* vtk = output(app.add_option("--vtk", r.vtk, "folder for ParaView: one .vtp per frame and frames.pvd"));
   output(app.add_option("--vtk-every", r.vtk_every, "simulated seconds between frames; default: first and last only"))
       ->check(CLI::PositiveNumber)
@@ -137,6 +139,7 @@ Json params_of(const BenchRequest& r) {
                  {"contact_rule", r.options.contact_rule},
                  {"scheme", r.options.scheme},
                  {"runtime", r.options.runtime},
+                 {"layers", r.options.layers},
                  {"threads", r.options.threads},
                  {"subdivision", r.options.subdivision},
                  {"steps", or_null(r.steps)},

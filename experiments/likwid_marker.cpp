@@ -71,7 +71,7 @@ void enter_thread() {
   static_cast<void>(entered);
 }
 
-void begin_piece(Phase phase) {
+void begin_piece(Phase phase, Piece, const void*) {
   if (!counting) return;
   enter_thread();
   if (library.start(phase_names[static_cast<std::size_t>(phase)].data()) != 0) refused = true;

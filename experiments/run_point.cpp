@@ -1,6 +1,7 @@
 #include "experiments/run_point.hpp"
 #include "experiments/counters.hpp"
 #include "experiments/likwid_marker.hpp"
+#include "experiments/trace.hpp"
 #include "experiments/vtk.hpp"
 #include "kernels/name_table.hpp"
 #include <algorithm>
@@ -47,14 +48,14 @@ Length length_of(const BenchRequest& request, const Scene& scene) {
 class Sampler {
  public:
   Sampler(const PointResult& point, const BenchRequest& request, HardwareCounters& counters, LikwidMarker& marker,
-          const std::function<void(const Progress&)>& report)
+          Trace& trace, const std::function<void(const Progress&)>& report)
       : point_(point), request_(request), length_(length_of(request, point.scene)), counters_(counters),
-        marker_(marker), report_(report) {}
+        marker_(marker), trace_(trace), report_(report) {}
 
   /// A fresh simulation, warmed up and run; `frames` may be null.
   Sample run(int number, FrameWriter* frames, FinalState& last) {
     Options options = request_.options;
-    options.observer = marker_.observer();
+    options.observer = traced() ? trace_.observer() : marker_.observer();
     Simulation simulation(point_.scene, options);
     simulation.run(request_.warmup);
     const double start = simulation.time();
@@ -82,6 +83,8 @@ class Sampler {
   }
 
  private:
+  bool traced() const { return !request_.trace.empty(); }
+
   /// Steps on the clock until the sample, a frame, or, where somebody watches, .2 s are over. A function of its own, so
   /// that callgrind can count what happens inside.
   [[gnu::noinline]] void run_slice(Simulation& simulation, double start, double next_frame, Sample& sample) {
@@ -89,9 +92,13 @@ class Sampler {
     const UsageMeter meter;
     counters_.start();
     marker_.start();
-    do sample.stats += simulation.step();
-    while (!length_.reached(sample.stats.steps, simulation.time() - start) && simulation.time() < next_frame &&
-           !(report_ && std::chrono::steady_clock::now() > watched_until));
+    if (traced()) trace_.start();
+    do {
+      sample.stats += simulation.step();
+      if (traced()) trace_.mark_step();
+    } while (!length_.reached(sample.stats.steps, simulation.time() - start) && simulation.time() < next_frame &&
+             !(report_ && std::chrono::steady_clock::now() > watched_until));
+    trace_.stop();
     marker_.stop();
     counters_.stop();
     sample.used += meter.stop();
@@ -102,6 +109,7 @@ class Sampler {
   const Length length_;
   HardwareCounters& counters_;
   LikwidMarker& marker_;
+  Trace& trace_;
   const std::function<void(const Progress&)>& report_;
 };
 
@@ -146,6 +154,9 @@ Scene warmed_up(const Scene& scene, const BenchRequest& request) {
 PointResult run_point(const BenchRequest& request, const std::function<void(const Progress&)>& report) {
   HardwareCounters counters; // before the first thread, so that it counts all of them
   LikwidMarker marker;
+  Trace trace;
+  if (marker.active() && !request.trace.empty())
+    throw InputError("LIKWID and --trace both watch the pieces of work. Use one of them.");
   PointResult point;
   point.started_utc = utc_now();
   point.params = params_of(request);
@@ -168,7 +179,7 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
     std::optional<FrameWriter> frames;
     if (!request.vtk.empty()) frames.emplace(request.vtk);
     if (frames) point.warnings.push_back("frames were written during the first sample: not a clean timing");
-    Sampler sampler(point, request, counters, marker, report);
+    Sampler sampler(point, request, counters, marker, trace, report);
     for (int number = 0; number < request.repeats; ++number)
       point.samples.push_back(sampler.run(number, number == 0 && frames ? &*frames : nullptr, point.final_state));
     point.check.how.push_back(check_samples(point.samples));
@@ -178,6 +189,12 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
       point.check.how.push_back(
           {"regions", marker.trouble().empty(),
            "LIKWID, per phase and thread: " + (marker.trouble().empty() ? std::string("as asked") : marker.trouble())});
+    }
+    if (!request.trace.empty()) {
+      std::int64_t moving = 0;
+      for (const Body& body : point.scene.bodies) moving += !body.fixed;
+      point.trace = trace.chrome_json({{"params", point.params}, {"moving_bodies", moving}, {"steps", trace.steps()}});
+      point.warnings.push_back("work was traced: up to 2 % slower");
     }
     if (const int outside = point.samples.back().bodies_outside)
       point.warnings.push_back(std::to_string(outside) + " bodies ended outside of the domain");

@@ -35,8 +35,9 @@ struct PointResult {
   double start_time = 0; ///< s
   nlohmann::ordered_json params, placement, counters;
   Check check;
-  std::vector<Sample> samples; ///< empty if the check before the timing failed
-  FinalState final_state;      ///< of the last sample
+  std::vector<Sample> samples;  ///< empty if the check before the timing failed
+  FinalState final_state;       ///< of the last sample
+  nlohmann::ordered_json trace; ///< if it was asked for
   std::vector<std::string> warnings;
   std::string started_utc; ///< ISO 8601
 };

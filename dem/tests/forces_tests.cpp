@@ -132,7 +132,8 @@ TEST(Forces, BothBodiesGetOppositeForceAndTheirTorquesAndItAddsUpToNothing) {
   press(p, contacts);
   contact_forces(p, {}, 1e-5, contacts);
   Loads loads{{Vector3d::Zero(), Vector3d::Zero()}, {Vector3d::Zero(), Vector3d::Zero()}};
-  add_contact_loads(p, contacts, loads);
+  for (const Contact& c : contacts)
+    for (const bool to_a : {true, false}) add_contact_load(p, c, to_a, loads);
   EXPECT_GT(contacts[0].force.norm(), 0);
   EXPECT_GT(loads.torque[0].norm(), 0);
   EXPECT_GT(loads.torque[1].norm(), 0);

@@ -67,7 +67,8 @@ void Probe::evaluate() {
   contacts = buffer_.contacts;
   contact_forces(particles_, law_, 0, contacts);
   Loads loads{{Vector3d::Zero(), Vector3d::Zero()}, {Vector3d::Zero(), Vector3d::Zero()}};
-  add_contact_loads(particles_, contacts, loads);
+  for (const Contact& c : contacts)
+    for (const bool to_a : {true, false}) add_contact_load(particles_, c, to_a, loads);
   force = loads.force[1];
   torque = loads.torque[1];
   energy = elastic_energy(law_, contacts);

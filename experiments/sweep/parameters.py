@@ -67,6 +67,7 @@ DEM_BENCH = Program("dem_bench", {
     "contact_rule": Parameter("--contact-rule", str, ("all-pairs", "dedupe", "nearest", "features")),
     "scheme": Parameter("--scheme", str, ("serial", "plain", "task")),
     "runtime": Parameter("--runtime", str, ("default", "tbb", "openmp")),
+    "layers": Parameter("--layers", str),
     "threads": Parameter("--threads", int, least=1),
     "subdivision": Parameter("--subdivision", int, least=2),
     "steps": Parameter("--steps", int, least=1),
