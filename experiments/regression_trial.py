@@ -16,13 +16,14 @@ SPEC = {"title": "Trial", "fixed": {
     "check_steps": 1}}
 # name -> file, text, what takes its place
 INJECTED = {
-    "kernel": ("kernels/kernels.cpp", "    kernel.closest({a, b, std::span(list).first(n)}, query, hits, counts);\n", """
-    kernel.closest({a, b, std::span(list).first(n)}, query, hits, counts);
-    if (static int calls = 0; kernel.name == "hybrid-pair" && ++calls % 20 == 0) {
-      Hits thrown_away;
-      KernelCounts not_counted;
-      kernel.closest({a, b, std::span(list).first(n)}, query, thrown_away, not_counted);
-    }
+    "kernel": ("dem/narrow_phase.cpp", "  if (buffer.hits.empty()) return;\n", """
+  if (static int calls = 0; narrow.kernel->name == "hybrid-pair" && ++calls % 20 == 0) {
+    Hits thrown_away;
+    KernelCounts not_counted;
+    narrow.kernel->closest({a.triangles.view(), candidates.b.view(), candidates.pairs}, {.reach = buffer.reach}, thrown_away,
+                           not_counted);
+  }
+  if (buffer.hits.empty()) return;
 """),
     "phase": ("dem/simulation.cpp", "    s.merge(stats);\n", """
     s.merge(stats);

@@ -1,4 +1,5 @@
 """The published figures and headline numbers, one row each, and how records decide whether they hold here."""
+import packages  # noqa: F401, I001: before all that need them
 import statistics
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,5 @@
 """Style, files and command line that all figures share."""
+import packages  # noqa: F401, I001: before all that need them
 import argparse
 import csv
 import sys

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Figure 8.4 of Krestenitis (2018): the hopper scene at four times, grains coloured by speed."""
+import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
 

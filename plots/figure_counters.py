@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Time and hardware counters per phase of a step, and runtime, MFLOP/s, CPI and bandwidth as table 1 of Krestenitis,
 Weinzierl and Koziara (2017) has them; what no counter could say is "unavailable"."""
+import packages  # noqa: F401, I001: before all that need them
 import json
 import statistics
 import sys

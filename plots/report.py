@@ -9,6 +9,7 @@ import sys
 from html import escape
 from pathlib import Path
 
+import packages  # noqa: F401
 import page
 from figure import ROOT, Drawn
 from records import NothingToDraw

@@ -127,3 +127,11 @@ def test_a_browser_shows_every_figure_and_sorts_tables(full, tmp_path, width):
     numbers = [int(cell) for cell in found["up"]]
     assert numbers == sorted(numbers) and len(set(numbers)) > 1
     assert [int(cell) for cell in found["down"]] == sorted(numbers, reverse=True)
+
+
+@pytest.mark.parametrize("script", ["plots/report.py", "plots/figure_8_4.py", "plots/figure_8_5.py", "plots/figure_counters.py",
+                                    "tools/claims"])
+def test_without_python_packages_one_sentence_says_what_to_do(script):
+    done = subprocess.run(["/usr/bin/python3", "-S", PLOTS.parent / script], capture_output=True, text=True, check=False)
+    assert done.returncode == 4 and done.stderr.count("\n") == 1, done.stderr
+    assert "no Python package matplotlib and numpy" in done.stderr and "tools/install" in done.stderr
