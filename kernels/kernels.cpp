@@ -8,6 +8,7 @@
 #include "kernels/name_table.hpp"
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace trigrain {
 
@@ -72,7 +73,7 @@ template <class T> constexpr Kernel hybrid_batch_row() {
                        hybrid_batch<T>);
 }
 
-constexpr std::array table{
+constexpr std::array all_rows{
     Kernel{"brute", "double", 1,
            "15 features with branches, crossing decided exactly; Krestenitis (2018), Ericson (2005) 5.1.5, 5.1.9", true,
            brute, 1400, bytes_per_pair},
@@ -100,10 +101,23 @@ constexpr std::array table{
 /// As many lanes as fill a register.
 int native_lanes(std::string_view precision) { return precision == "double" ? lane_count : float_lane_count; }
 
+/// The rows of this build. Packs wider than a register gain nothing, and GCC 12 miscompiles some functions over them.
+std::vector<Kernel> rows_that_fit() {
+  std::vector<Kernel> rows;
+  std::copy_if(all_rows.begin(), all_rows.end(), std::back_inserter(rows),
+               [](const Kernel& row) { return row.lanes <= native_lanes(row.precision); });
+  return rows;
+}
+
+const std::vector<Kernel>& table() {
+  static const std::vector<Kernel> rows = rows_that_fit();
+  return rows;
+}
+
 } // namespace
 
 std::span<const PenaltySchedule> penalty_schedules() { return schedule_table; }
-std::span<const Kernel> kernels() { return table; }
+std::span<const Kernel> kernels() { return table(); }
 
 void closest_of_all(const Kernel& kernel, TrianglesView a, TrianglesView b, const Query& query, Hits& hits,
                     KernelCounts& counts) {
@@ -122,15 +136,15 @@ void closest_of_all(const Kernel& kernel, TrianglesView a, TrianglesView b, cons
 }
 
 const Kernel& kernel_named(std::string_view name, std::string_view precision, int lanes) {
-  row_named(table, "kernel", name);
+  row_named(table(), "kernel", name);
   std::string known;
   const Kernel* widest = nullptr;
-  for (const Kernel& row : table) {
+  for (const Kernel& row : table()) {
     if (row.name != name) continue;
     known += (known.empty() ? "" : ", ") + std::string(row.precision) + " with " + std::to_string(row.lanes) + " lanes";
     if (row.precision != precision) continue;
     if (row.lanes == lanes) return row;
-    if (row.lanes <= native_lanes(precision) && (!widest || row.lanes > widest->lanes)) widest = &row;
+    if (!widest || row.lanes > widest->lanes) widest = &row;
   }
   if (lanes == 0 && widest) return *widest;
   throw InputError("kernel '" + std::string(name) + "' does not come in precision '" + std::string(precision) + "'" +

@@ -117,7 +117,8 @@ template <class T, class Part> [[gnu::always_inline]] inline T rounded(Part part
   else if constexpr (lanes_of<T> == 16) {
     const __m256 low = _mm512_cvtpd_ps(static_cast<__m512d>(part(0))),
                  high = _mm512_cvtpd_ps(static_cast<__m512d>(part(1)));
-    return T(_mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1));
+    return T(
+        _mm512_castpd_ps(_mm512_insertf64x4(_mm512_castps_pd(_mm512_castps256_ps512(low)), _mm256_castps_pd(high), 1)));
   }
 #endif
   else {
@@ -133,7 +134,8 @@ template <class T> [[gnu::always_inline]] inline Wide<T> half(const T& x, int k)
 #ifdef __AVX512F__
   else if constexpr (lanes_of<T> == 16) {
     const __m512 all = static_cast<__m512>(x);
-    return Wide<T>(_mm512_cvtps_pd(k == 0 ? _mm512_castps512_ps256(all) : _mm512_extractf32x8_ps(all, 1)));
+    return Wide<T>(_mm512_cvtps_pd(k == 0 ? _mm512_castps512_ps256(all)
+                                          : _mm256_castpd_ps(_mm512_extractf64x4_pd(_mm512_castps_pd(all), 1))));
   }
 #endif
   else {

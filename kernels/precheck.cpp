@@ -6,6 +6,13 @@
 #include <bit>
 #include <numeric>
 
+// GCC 12 miscompiles flattened functions over packs that are wider than a register.
+#ifdef __AVX512F__
+#define FLATTEN_OCTETS [[gnu::flatten]]
+#else
+#define FLATTEN_OCTETS
+#endif
+
 namespace trigrain {
 namespace {
 
@@ -98,7 +105,7 @@ struct Support {
   Point point;  ///< where
 };
 
-[[gnu::flatten]] Support support(const Octree& octree, const Point& u) {
+FLATTEN_OCTETS Support support(const Octree& octree, const Point& u) {
   const auto [x, y, z] = octree.vertices();
   const Vec3<Octet> direction{Octet(u.x), Octet(u.y), Octet(u.z)};
   Octet best(-std::numeric_limits<double>::infinity()), where(0.);
@@ -122,7 +129,7 @@ struct Slab {
 
 /// Gilbert (1966): the point of the convex hull of B - A nearest to the origin, by steps towards supports; each gives a
 /// lower bound of the distance. Stops when the bound exceeds `reach` or is near the distance.
-[[gnu::flatten]] Slab separating_slab(const MeshView& a, const MeshView& b, const Placement& at, double reach) {
+FLATTEN_OCTETS Slab separating_slab(const MeshView& a, const MeshView& b, const Placement& at, double reach) {
   constexpr int steps = 4;
   Slab best{{1, 0, 0}, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   Point w = at.translation;
@@ -164,8 +171,8 @@ Vec3<Octet> in_octet(const Point& x) { return {Octet(x.x), Octet(x.y), Octet(x.z
 }
 
 /// Ascending numbers of the triangles with a corner x where u.x >= least and whose box is within reach of `other`.
-[[gnu::flatten]] void triangles_beyond(TrianglesView t, const Point& u, double least, const Box& other, double reach,
-                                       std::vector<int>& indices) {
+FLATTEN_OCTETS void triangles_beyond(TrianglesView t, const Point& u, double least, const Box& other, double reach,
+                                     std::vector<int>& indices) {
   indices.resize(t.size + 8);
   const Vec3<Octet> direction = in_octet(u), low = in_octet({other.low[0], other.low[1], other.low[2]}),
                     high = in_octet({other.high[0], other.high[1], other.high[2]});
@@ -184,7 +191,7 @@ Vec3<Octet> in_octet(const Point& x) { return {Octet(x.x), Octet(x.y), Octet(x.z
 }
 
 /// Bits of the eight triangles `b` that box and plane of triangle `a` leave within reach.
-[[gnu::flatten]] unsigned near_triangle(const Triangle& ta, const Corners<Octet>& b, double reach, double extent) {
+FLATTEN_OCTETS unsigned near_triangle(const Triangle& ta, const Corners<Octet>& b, double reach, double extent) {
   const Corners<Octet> a{in_octet(ta.a0), in_octet(ta.a1), in_octet(ta.a2)};
   const auto by_box = box_distance2(a, b) <= Octet(reach * reach);
   const Point e = ta.a1 - ta.a0, f = ta.a2 - ta.a0, n = cross(e, f);
@@ -230,7 +237,7 @@ void pairs_by_box(const MeshView& a, const MeshView& b, const Placement& at, dou
 // --- octree: both trees at once, the larger cut first
 
 /// Boxes that hold the turned and moved boxes of B.
-[[gnu::flatten]] BoxOctet placed(const BoxOctet& b, const Placement& at) {
+FLATTEN_OCTETS BoxOctet placed(const BoxOctet& b, const Placement& at) {
   std::array<Octet, 3> middle, half;
   for (int axis = 0; axis < 3; ++axis) {
     const Octet low = load<Octet>(b.low[axis].data()), high = load<Octet>(b.high[axis].data());
@@ -255,7 +262,7 @@ Box box_in(const BoxOctet& boxes, int k) {
 }
 
 /// Bits of the boxes whose distance from `box` is at most reach.
-[[gnu::flatten]] unsigned near_boxes(const Box& box, const BoxOctet& boxes, double reach) {
+FLATTEN_OCTETS unsigned near_boxes(const Box& box, const BoxOctet& boxes, double reach) {
   Octet distance2(0.);
   for (int axis = 0; axis < 3; ++axis) {
     const Octet low = load<Octet>(boxes.low[axis].data()), high = load<Octet>(boxes.high[axis].data());
@@ -266,7 +273,7 @@ Box box_in(const BoxOctet& boxes, int k) {
 }
 
 /// The discs of B, turned and moved.
-[[gnu::flatten]] DiscOctet placed(const DiscOctet& b, const Placement& at) {
+FLATTEN_OCTETS DiscOctet placed(const DiscOctet& b, const Placement& at) {
   DiscOctet r = b;
   const auto turn = [&](const std::array<std::array<double, 8>, 3>& from, const Point& by,
                         std::array<std::array<double, 8>, 3>& to) {
@@ -293,7 +300,7 @@ Disc disc_in(const DiscOctet& d, int k) {
 }
 
 /// Bits of the discs that neither axis, nor that of `disc`, shows to be further than reach from `disc`.
-[[gnu::flatten]] unsigned near_discs(const Disc& disc, const DiscOctet& discs, double reach) {
+FLATTEN_OCTETS unsigned near_discs(const Disc& disc, const DiscOctet& discs, double reach) {
   const auto at = [](const std::array<std::array<double, 8>, 3>& x) {
     return Vec3<Octet>{load<Octet>(x[0].data()), load<Octet>(x[1].data()), load<Octet>(x[2].data())};
   };
