@@ -108,7 +108,7 @@ void compare_and_spawn(const Detection& d, std::span<const BodyPair> pairs, int 
 
 /// Traverses entries; their comparisons become tasks of about equal cost if pairs are a layer.
 void traverse(const Detection& d, int begin, int end, int worker, Spawn spawn) {
-  constexpr int task_cost = 1600; // triangles: 20 to 50 us
+  constexpr int task_cost = 4000; // triangles: 20 to 50 us
   DetectTask* task = nullptr;
   int cost = 0;
   for (int entry = begin; entry < end; ++entry) {
@@ -133,7 +133,7 @@ void traverse(const Detection& d, int begin, int end, int worker, Spawn spawn) {
 /// Producer-consumer: traversals spawn comparisons, and these the parts of split pairs; who is idle takes them. Without
 /// the grid as a layer one thread traverses, as published. One join at the end.
 void spawn_tasks(const Detection& d, Team& team) {
-  const int entries = d.grid.entries(), entries_at_once = d.layers.particle ? 512 : 16;
+  const int entries = d.grid.entries(), entries_at_once = d.layers.particle ? 128 : 16;
   for (TaskPool& pool : d.pools) pool.clear();
   TaskPool& first = d.pools.back();
   if (!d.layers.grid)

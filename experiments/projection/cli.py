@@ -2,6 +2,7 @@
 import argparse
 import csv
 import json
+import os
 import statistics
 import sys
 from pathlib import Path
@@ -29,6 +30,8 @@ def main() -> int:
             raise TraceError(f"the trace is of {trace.threads} threads ({options.trace}). Trace a run of one.")
         machine = Machine(one_thread_share=options.triad_share, cores_per_socket=options.cores_per_socket)
         return _report(trace, machine, options)
+    except BrokenPipeError:  # whoever read it has seen enough
+        os._exit(0)
     except TraceError as error:
         print(f"project: {error}", file=sys.stderr)
         return 3

@@ -49,7 +49,7 @@ def load_trace(path: Path) -> Trace:
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise TraceError(f"cannot read the trace ({path}: {type(error).__name__}: {error}). Make one with dem_bench --trace.") \
             from None
-    threads = len({event["tid"] for event in events})
+    threads = max(len({event["tid"] for event in events}), about.get("params", {}).get("threads", 1))
     ordered = [sorted(step, key=lambda e: (e["ts"], e["ts"] + e["dur"])) for _, step in sorted(by_step.items())]
     walls = [max(e["ts"] + e["dur"] for e in step) - step[0]["ts"] for step in ordered]
     return Trace(about, [_sections(step) for step in ordered] if threads == 1 else [], walls, threads)

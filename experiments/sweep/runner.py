@@ -107,6 +107,10 @@ class Runner:
             frames = self.store.frames(point.id)
             frames.parent.mkdir(exist_ok=True)
             outputs += ["--vtk", str(frames)]
+        if self.spec.trace:
+            trace = self.store.trace_path(point.id)
+            trace.parent.mkdir(exist_ok=True)
+            outputs += ["--trace", str(trace)]
         start = self.store.state_path(point.start.id) if point.start else None
         command = point_command(self.bench, point, self.spec.folder, outputs, start)
         outcome = self._run(command, name, progress, part)

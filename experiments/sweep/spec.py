@@ -9,7 +9,7 @@ from sweep.errors import InputError, an_object, nearest
 from sweep.parameters import PROGRAMS, Program
 
 KEYS = ("title", "about", "program", "fixed", "axes", "zip", "exclude", "interleave", "prepare", "time_limit_s",
-        "memory_limit_mb", "elsewhere")
+        "memory_limit_mb", "trace", "elsewhere")
 OVERRIDABLE = ("fixed", "axes", "zip", "exclude", "prepare", "time_limit_s", "memory_limit_mb")
 PREPARE_KEYS = ("by", "params", "end_s")
 # How long or how often a point is timed says nothing about the state it starts from.
@@ -41,6 +41,7 @@ class Spec:
     prepare: Prepare | None
     time_limit_s: float
     memory_limit_mb: float | None
+    trace: bool
     elsewhere: list[dict[str, str]]
     folder: Path
 
@@ -83,7 +84,7 @@ def _build(raw: dict, preset: str, path: Path) -> Spec:
                 _interleave(program, raw.get("interleave", []), f"{name}: interleave"),
                 None if prepare is None else _prepare(program, prepare, name),
                 latest("time_limit_s", _above_zero) or 3600.0, latest("memory_limit_mb", _above_zero),
-                _elsewhere(raw, name), path.parent)
+                _trace(program, raw.get("trace", False), f"{name}: trace"), _elsewhere(raw, name), path.parent)
     _complete(spec, name)
     return spec
 
@@ -100,6 +101,14 @@ def _above_zero(value: Any, where: str) -> float:
         unit, words = ("s", "Give seconds") if where.endswith("_s") else ("MB", "Give megabytes")
         raise InputError(f"a number above 0 {unit} is expected, not {value!r} ({where}). {words}.")
     return float(value)
+
+
+def _trace(program: Program, raw: Any, where: str) -> bool:
+    if not isinstance(raw, bool):
+        raise InputError(f"true or false is expected, not {raw!r} ({where}). Write true to keep a trace of every point.")
+    if raw and program.name != "dem_bench":
+        raise InputError(f"{program.name} writes no traces ({where}). Remove it.")
+    return raw
 
 
 def _interleave(program: Program, raw: Any, where: str) -> tuple[str, ...]:

@@ -53,6 +53,8 @@ def _spec(program: Program) -> Schema:
             "interleave": {"description": "points that differ in these parameters alone are compared: their repeats are "
                                           "processes that take turns", "type": "array", "items": ref["name"]},
             "prepare": {"allOf": [ref["prepare"], {"required": ["by", "end_s"]}]},
+            "trace": {"description": "keep the work of every thread of every point as RESULTS/SPEC/traces/ID.json, in Chrome's "
+                                     "trace format", "type": "boolean"},
             "elsewhere": {"$ref": "#/$defs/elsewhere"},
             "presets": {"description": "changes to the spec by name: --quick, --full, --preset NAME; full without an entry "
                                        "is the spec itself", "type": "object", "additionalProperties": preset}},

@@ -22,7 +22,7 @@ DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 class Store:
     """Where a sweep keeps what it found:
-    RESULTS/SPEC/ID.json a record, RESULTS/SPEC/index.json the state of every point, RESULTS/SPEC/frames/ID/ pictures,
+    RESULTS/SPEC/ID.json a record, RESULTS/SPEC/index.json the state of every point, RESULTS/SPEC/frames/ID/ pictures, RESULTS/SPEC/traces/ID.json traces,
     RESULTS/SPEC/counters/ID.json hardware counters of a point, RESULTS/SPEC/sweep.log a line per point that ran, RESULTS/states/ID.json start states, shared by all specs."""
 
     def __init__(self, results: Path, spec_name: str):
@@ -38,6 +38,9 @@ class Store:
 
     def frames(self, id: str) -> Path:
         return self.folder / "frames" / id
+
+    def trace_path(self, id: str) -> Path:
+        return self.folder / "traces" / f"{id}.json"
 
     def counters_path(self, id: str) -> Path:
         return self.folder / "counters" / f"{id}.json"
