@@ -116,12 +116,6 @@ void finish(const Particles& particles, BodyPair pair, std::size_t first, const 
 
 } // namespace
 
-bool may_touch(const Particles& p, BodyPair pair, const Precheck& precheck) {
-  if (!precheck.spheres) return true;
-  const double r = p.radius[pair.a] + p.radius[pair.b] + p.halo[pair.a] + p.halo[pair.b];
-  return (p.position[pair.a] - p.position[pair.b]).squaredNorm() <= r * r * (1 + 1e-12); // rounding must lose no pair
-}
-
 void WorkerBuffer::clear() {
   contacts.clear();
   found.clear();

@@ -1,6 +1,6 @@
 #pragma once
 #include "dem/contact_rule.hpp"
-#include "dem/grid.hpp"
+#include "dem/pair_source.hpp"
 #include "kernels/precheck.hpp"
 #include <atomic>
 #include <deque>
@@ -10,8 +10,6 @@
 
 namespace trigrain {
 
-/// May two bodies touch, as far as the pre-check can tell from their bounding spheres?
-bool may_touch(const Particles& particles, BodyPair pair, const Precheck& precheck);
 
 /// How body pairs are turned into contacts.
 struct NarrowPhase {

@@ -8,9 +8,8 @@ namespace {
 /// Candidate pairs of one entry that survive the body pre-check, in buffer.pairs.
 void surviving_pairs(const Detection& d, int entry, WorkerBuffer& buffer) {
   buffer.pairs.clear();
-  d.grid.pairs_of(entry, d.particles, buffer.pairs);
-  buffer.candidate_pairs += static_cast<std::int64_t>(buffer.pairs.size());
-  std::erase_if(buffer.pairs, [&](BodyPair pair) { return !may_touch(d.particles, pair, *d.narrow.precheck); });
+  const Sieve sieve = d.narrow.precheck->spheres ? Sieve::spheres : Sieve::none;
+  buffer.candidate_pairs += d.source.pairs_of(entry, d.particles, sieve, buffer.pairs);
   buffer.body_pairs += static_cast<std::int64_t>(buffer.pairs.size());
 }
 
@@ -63,7 +62,7 @@ void solve_numbered_part(const Detection& d, TaskPool& pool, int part, int worke
 void share_loops(const Detection& d, Team& team) {
   constexpr int entries_at_once = 16, pairs_at_once = 16; // small beside any scene, large beside handing out
   for (TaskPool& pool : d.pools) pool.clear();
-  loop(team, d.layers.grid, d.grid.entries(), entries_at_once, [&](int begin, int end, int worker) {
+  loop(team, d.layers.grid, d.source.entries(), entries_at_once, [&](int begin, int end, int worker) {
     WorkerBuffer& buffer = d.buffers[worker];
     for (int entry = begin; entry < end; ++entry) {
       surviving_pairs(d, entry, buffer);
@@ -133,7 +132,7 @@ void traverse(const Detection& d, int begin, int end, int worker, Spawn spawn) {
 /// Producer-consumer: traversals spawn comparisons, and these the parts of split pairs; who is idle takes them. Without
 /// the grid as a layer one thread traverses, as published. One join at the end.
 void spawn_tasks(const Detection& d, Team& team) {
-  const int entries = d.grid.entries(), entries_at_once = d.layers.particle ? 128 : 16;
+  const int entries = d.source.entries(), entries_at_once = d.layers.particle ? 128 : 16;
   for (TaskPool& pool : d.pools) pool.clear();
   TaskPool& first = d.pools.back();
   if (!d.layers.grid)

@@ -1,6 +1,6 @@
 #pragma once
-#include "dem/grid.hpp"
 #include "dem/narrow_phase.hpp"
+#include "dem/pair_source.hpp"
 #include "dem/runtime.hpp"
 #include <deque>
 #include <span>
@@ -39,7 +39,7 @@ struct TaskPool {
 
 /// All that detection reads, and what it writes: one buffer and pool per worker of the team, and a pool for who starts.
 struct Detection {
-  const Grid& grid;
+  const PairSource& source;
   const Particles& particles;
   const NarrowPhase& narrow;
   Layers layers;

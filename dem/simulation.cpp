@@ -52,7 +52,7 @@ struct Simulation::State {
   NarrowPhase narrow;
   const StepControl& control;
   Particles particles;
-  Grid grid;
+  std::unique_ptr<PairSource> source;
   Team team;
   std::vector<WorkerBuffer> buffers;
   Layers layers;
@@ -63,12 +63,14 @@ struct Simulation::State {
   double time = 0;
   StepLength step; // s
 
-  State(Scene s, Options o)
+  /// Without a source it makes the one that the options ask for.
+  State(Scene s, Options o, std::unique_ptr<PairSource> from)
       : scene(std::move(s)), options(std::move(o)), scheme(row_named(schemes(), "scheme", options.scheme)),
         narrow{&kernel_named(options.kernel), &row_named(prechecks(), "pre-check", options.precheck),
                &row_named(contact_rules(), "contact rule", options.contact_rule)},
         control(row_named(step_controls(), "time.control", scene.time.control)), particles(particles_of(scene)),
-        grid(row_named(grid_kinds(), "grid", options.grid), options.subdivision, scene.domain, particles),
+        source(from ? std::move(from)
+                    : make_pair_source({options.grid, options.subdivision, options.skin}, scene.domain, particles)),
         team(runtime_for(options, scheme), threads_of(options)) {
     const int n = particles.size();
     const double largest_step = critical_step(scene);
@@ -109,19 +111,13 @@ struct Simulation::State {
 };
 
 void Simulation::State::update_grid(StepStats& stats) {
-  const std::int64_t refinements = grid.tree().refinements(), coarsenings = grid.tree().coarsenings();
-  grid.update(particles);
-  stats.refinements += grid.tree().refinements() - refinements;
-  stats.coarsenings += grid.tree().coarsenings() - coarsenings;
-  stats.levels += grid.occupied_levels();
-  stats.cells += grid.tree().cells();
-  stats.occupied_vertices += grid.occupied_vertices();
-  stats.virtual_copies += grid.virtual_copies();
+  source->update(particles, team);
+  source->count(stats);
 }
 
 void Simulation::State::detect(StepStats& stats) {
   for (WorkerBuffer& buffer : buffers) buffer.clear();
-  scheme.detect({grid, particles, narrow, layers, buffers, pools}, team);
+  scheme.detect({*source, particles, narrow, layers, buffers, pools}, team);
   for (const WorkerBuffer& buffer : buffers) {
     stats.candidate_pairs += buffer.candidate_pairs;
     stats.body_pairs += buffer.body_pairs;
@@ -163,8 +159,9 @@ void Simulation::State::integrate() {
   time += step.now;
 }
 
-Simulation::Simulation(Scene scene, Options options)
-    : state_(std::make_unique<State>(std::move(scene), std::move(options))) {}
+Simulation::Simulation(Scene scene, Options options) : Simulation(std::move(scene), std::move(options), nullptr) {}
+Simulation::Simulation(Scene scene, Options options, std::unique_ptr<PairSource> source)
+    : state_(std::make_unique<State>(std::move(scene), std::move(options), std::move(source))) {}
 
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
@@ -177,7 +174,7 @@ StepStats Simulation::step() {
     const PhaseScope scope(stats, Phase::grid, s.team, s.options.observer);
     s.update_grid(stats);
     s.step.last = s.step.now;
-    s.step.now = s.control.next({s.particles, s.grid, s.loads, s.scene.gravity, s.scene.time.step, s.step.last});
+    s.step.now = s.control.next({s.particles, *s.source, s.loads, s.scene.gravity, s.scene.time.step, s.step.last});
   }
   {
     const PhaseScope scope(stats, Phase::detect, s.team, s.options.observer);
@@ -262,6 +259,7 @@ StepStats& StepStats::operator+=(const StepStats& other) {
   cells += other.cells;
   refinements += other.refinements;
   coarsenings += other.coarsenings;
+  searches += other.searches;
   return *this;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "dem/contact.hpp"
-#include "dem/grid.hpp"
+#include "dem/pair_source.hpp"
 #include "dem/particles.hpp"
 #include "dem/scene.hpp"
 #include "dem/scheme.hpp"
@@ -20,7 +20,8 @@ struct Options {
   std::string runtime = "default"; ///< "tbb", "openmp", or the one the scheme was published with
   std::string layers = "default";  ///< what is shared out: "grid", "particle", "triangle", joined by +
   int threads = 1;
-  int subdivision = 3;                     ///< k: a grid cell splits into k^3
+  int subdivision = 3; ///< k: a grid cell splits into k^3
+  double skin = 0;     ///< diameters of the smallest body it may move before the grid is asked again
   const PhaseObserver* observer = nullptr; ///< told of every piece of work; outlives the simulation
 };
 
@@ -35,6 +36,8 @@ class Simulation {
  public:
   /// InputError for unknown names and senseless values.
   Simulation(Scene scene, Options options);
+  /// Candidate pairs come from that source instead of the grid that the options name.
+  Simulation(Scene scene, Options options, std::unique_ptr<PairSource> source);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;

@@ -55,26 +55,23 @@ double gap_of(const Particles& p, BodyPair pair, double horizon, std::vector<int
 
 template <class Visit> void for_pairs(const StepView& v, const Visit& visit) {
   std::vector<BodyPair> pairs;
-  for (int entry = 0; entry < v.grid.entries(); ++entry) {
+  for (int entry = 0; entry < v.source.entries(); ++entry) {
     pairs.clear();
-    v.grid.pairs_of(entry, v.particles, pairs);
+    v.source.pairs_of(entry, v.particles, Sieve::none, pairs);
     for (const BodyPair pair : pairs)
       if (!visit(pair)) return;
   }
 }
 
-/// Longest step (s) in which no pair that is apart can come to overlap, and of those that the grid tells apart none can
-/// pass what their cells leave between them: two bodies that share no cell are at least half of (cell - diameter) of
-/// the one and half of that of the other apart.
+/// Longest step (s) in which no pair that is apart can come to overlap, and of those that are not reported none can use
+/// up the room between them.
 double approach(const StepView& v) {
   const Particles& p = v.particles;
   double step = growth * v.last_step;
-  const Spacetree& tree = v.grid.tree();
   for (int i = 0; i < p.size(); ++i) {
-    if (p.fixed(i) || v.grid.level_of(i) == 0) continue;
-    const double room = tree.level(v.grid.level_of(i)).cell_size / 2 - p.radius[i] - p.halo[i];
-    step =
-        std::min(step, time_to_close(room, p.velocity[i].norm() + spin(p, i), acceleration(v, i).norm(), v.last_step));
+    if (p.fixed(i)) continue;
+    const double speed = p.velocity[i].norm() + spin(p, i);
+    step = std::min(step, time_to_close(v.source.room(i), speed, acceleration(v, i).norm(), v.last_step));
   }
   std::vector<int> scratch;
   for_pairs(v, [&](BodyPair pair) {

@@ -1,16 +1,15 @@
 #pragma once
-#include "dem/grid.hpp"
 #include "dem/loads.hpp"
-#include "dem/particles.hpp"
+#include "dem/pair_source.hpp"
 #include <span>
 #include <string_view>
 
 namespace trigrain {
 
-/// What the step size may depend on. The grid has just been updated; loads are those of the last step.
+/// What the step size may depend on. The source of pairs has just been updated; loads are those of the last step.
 struct StepView {
   const Particles& particles;
-  const Grid& grid;
+  const PairSource& source;
   const Loads& loads;
   Eigen::Vector3d gravity; ///< m/s2
   double contact_step;     ///< the step that a contact needs (s)

@@ -1,8 +1,9 @@
 #include "experiments/command_line.hpp"
-#include "dem/grid.hpp"
+#include "dem/grid_kind.hpp"
 #include "dem/narrow_phase.hpp"
 #include "dem/runtime.hpp"
 #include "dem/scheme.hpp"
+#include "dem/step_size.hpp"
 #include "experiments/final_state.hpp"
 #include "kernels/kernels.hpp"
 #include "kernels/name_table.hpp"
@@ -29,6 +30,7 @@ void list_all(std::ostream& out) {
   list(out, "contact rules", contact_rules());
   list(out, "schemes", schemes());
   list(out, "runtimes", runtimes());
+  list(out, "step controls", step_controls());
 }
 
 void add_scene_options(CLI::App& app, BenchRequest& r) {
@@ -57,6 +59,10 @@ void add_engine_options(CLI::App& app, BenchRequest& r) {
   engine(app.add_option("--threads", r.options.threads))->check(CLI::PositiveNumber);
   engine(app.add_option("--subdivision", r.options.subdivision, "a grid cell splits into k^3"))
       ->check(CLI::PositiveNumber);
+  engine(app.add_option("--skin", r.options.skin,
+                        "keep the grid's pairs until a body has moved so far, in diameters of the smallest body"))
+      ->check(CLI::NonNegativeNumber);
+  engine(app.add_option("--step-control", r.step_control, "how the time step follows contacts; default: the scene's"));
 }
 
 void add_run_options(CLI::App& app, BenchRequest& r) {
@@ -142,6 +148,8 @@ Json params_of(const BenchRequest& r) {
                  {"layers", r.options.layers},
                  {"threads", r.options.threads},
                  {"subdivision", r.options.subdivision},
+                 {"skin", r.options.skin},
+                 {"step_control", r.step_control.empty() ? Json(nullptr) : Json(r.step_control)},
                  {"steps", or_null(r.steps)},
                  {"end_s", or_null(r.end)},
                  {"repeats", r.repeats},
@@ -163,6 +171,8 @@ Json params_of(const BenchRequest& r) {
 StartingPoint starting_point(const BenchRequest& request) {
   Scene scene =
       request.scene_file.empty() ? make_scene(request.scene, request.scene_options) : load_scene(request.scene_file);
+  if (!request.step_control.empty())
+    scene.time.control = row_named(step_controls(), "step control", request.step_control).name;
   if (request.start_state.empty()) return {std::move(scene), 0};
   const FinalState state = read_final_state(request.start_state);
   return {continued(std::move(scene), state, request.start_state), state.time};

@@ -17,6 +17,7 @@ struct BenchRequest {
   std::filesystem::path scene_file; ///< instead of scene and its options
   Options options;
   std::filesystem::path start_state;
+  std::string step_control;          ///< instead of the scene's
   std::optional<std::int64_t> steps; ///< length of a sample
   std::optional<double> end;         ///< the same in simulated seconds
   int repeats = 1;                   ///< samples

@@ -71,7 +71,7 @@ Json sample_json(const Sample& sample) {
 }
 
 Json counts_json(const StepStats& stats) {
-  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 14 * sizeof(std::int64_t),
+  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 15 * sizeof(std::int64_t),
                 "a count is missing below");
   return {{"steps", stats.steps},
           {"candidate_pairs", stats.candidate_pairs},
@@ -86,7 +86,8 @@ Json counts_json(const StepStats& stats) {
           {"levels", stats.levels},
           {"cells", stats.cells},
           {"refinements", stats.refinements},
-          {"coarsenings", stats.coarsenings}};
+          {"coarsenings", stats.coarsenings},
+          {"searches", stats.searches}};
 }
 
 Json energy_json(const Energy& energy) {

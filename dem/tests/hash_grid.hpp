@@ -1,5 +1,5 @@
 #pragma once
-#include "dem/grid.hpp"
+#include "dem/pair_source.hpp"
 #include <cmath>
 #include <limits>
 #include <unordered_map>
@@ -9,7 +9,7 @@ namespace trigrain {
 /// A second source of candidate pairs that shares nothing with Grid but its interface: one level of hashed cells, each
 /// body in every cell that its box with halo meets; a pair is reported in the cell of the lower corner of the two
 /// boxes' intersection, hence once.
-class HashGrid {
+class HashGrid final : public PairSource {
  public:
   explicit HashGrid(const Particles& p) {
     double least = std::numeric_limits<double>::infinity(), most = 0;
@@ -21,7 +21,7 @@ class HashGrid {
     cell_ = 2 * std::sqrt(least * most); // neither many bodies in a cell nor many cells to a body
   }
 
-  void update(const Particles& p) {
+  void update(const Particles& p, Team&) override {
     bodies_.clear();
     box_.clear();
     for (int i = 0; i < p.size(); ++i) {
@@ -31,17 +31,23 @@ class HashGrid {
     }
   }
 
-  int entries() const { return static_cast<int>(box_.size()); }
+  int entries() const override { return static_cast<int>(box_.size()); }
 
   /// Pairs of body `entry` with bodies of higher index.
-  void pairs_of(int entry, const Particles& p, std::vector<BodyPair>& pairs) const {
+  std::int64_t pairs_of(int entry, const Particles& p, Sieve sieve, std::vector<BodyPair>& pairs) const override {
+    std::int64_t compared = 0;
     for_cells(box_[entry], [&](std::int64_t key) {
       for (const int other : bodies_.at(key)) {
         if (other <= entry || (p.fixed(entry) && p.fixed(other)) || !box_[entry].intersects(box_[other])) continue;
-        if (key_of(cell_of(box_[entry].intersection(box_[other]).min())) == key) pairs.push_back({entry, other});
+        if (key_of(cell_of(box_[entry].intersection(box_[other]).min())) != key) continue;
+        ++compared;
+        if (sieve == Sieve::none || spheres_overlap(p, {entry, other})) pairs.push_back({entry, other});
       }
     });
+    return compared;
   }
+
+  double room(int) const override { return 0; }
 
  private:
   using Cell = Eigen::Array<std::int64_t, 3, 1>;

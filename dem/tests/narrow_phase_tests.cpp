@@ -16,7 +16,7 @@ WorkerBuffer contacts_of(const Particles& particles, std::string_view kernel, st
   const NarrowPhase narrow{&kernel_named(kernel), &row_named(prechecks(), "pre-check", precheck),
                            &row_named(contact_rules(), "contact rule", rule)};
   WorkerBuffer buffer;
-  if (may_touch(particles, {0, 1}, *narrow.precheck)) collide(particles, {0, 1}, narrow, buffer);
+  if (!narrow.precheck->spheres || spheres_overlap(particles, {0, 1})) collide(particles, {0, 1}, narrow, buffer);
   return buffer;
 }
 

@@ -1,4 +1,5 @@
 #include "dem/critical_step.hpp"
+#include "dem/grid_kind.hpp"
 #include "dem/simulation.hpp"
 #include "kernels/name_table.hpp"
 #include <cmath>

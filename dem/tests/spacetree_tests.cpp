@@ -1,5 +1,6 @@
 #include "dem/grid.hpp"
 #include "kernels/name_table.hpp"
+#include "one_thread.hpp"
 #include <gtest/gtest.h>
 #include <random>
 
@@ -22,9 +23,9 @@ Body ball(double diameter, const Vector3d& position, const Vector3d& velocity = 
 
 /// One step as a simulation sees it: update, then every entry is compared.
 std::size_t compare_all(Grid& grid, const Particles& particles) {
-  grid.update(particles);
+  grid.update(particles, one_thread());
   std::vector<BodyPair> pairs;
-  for (int e = 0; e < grid.entries(); ++e) grid.pairs_of(e, particles, pairs);
+  for (int e = 0; e < grid.entries(); ++e) grid.pairs_of(e, particles, Sieve::none, pairs);
   return pairs.size();
 }
 
@@ -89,12 +90,12 @@ TEST(Spacetree, CellsOfTheAdaptiveGridFollowABodyAndLeaveNothingBehind) {
   p.add(ball(.01, {.101, .203, .299}));
   for (const int k : {2, 3}) {
     Grid grid = grid_of("adaptive", k, p);
-    grid.update(p);
+    grid.update(p, one_thread());
     const std::int64_t most = 1 + (grid.levels() - 1) * 8 * k * k * k; // 8 split cells per level
     EXPECT_LE(grid.tree().cells(), most);
     for (int step = 0; step < 500; ++step) {
       p.position[0] = Vector3d(.5 + .4 * std::sin(.1 * step), .5 + .4 * std::sin(.13 * step), .5);
-      grid.update(p);
+      grid.update(p, one_thread());
       ASSERT_LE(grid.tree().cells(), most) << "k=" << k << " step " << step;
       ASSERT_EQ(grid.tree().cells(), 1 + (grid.tree().refinements() - grid.tree().coarsenings()) * k * k * k);
     }

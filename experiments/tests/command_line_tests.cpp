@@ -127,7 +127,7 @@ TEST(CommandLine, list_names_every_row_of_every_table) {
   EXPECT_FALSE(parse({"--list"}, out));
   const std::string text = out.str();
   for (const char* title :
-       {"scenes\n", "kernels\n", "prechecks\n", "grids\n", "contact rules\n", "schemes\n", "runtimes\n"})
+       {"scenes\n", "kernels\n", "prechecks\n", "grids\n", "contact rules\n", "schemes\n", "runtimes\n", "step controls\n"})
     EXPECT_NE(text.find(title), std::string::npos) << title;
   for (const Kernel& kernel : kernels())
     EXPECT_NE(text.find("  " + std::string(kernel.name) + ": " + std::string(kernel.about) + "\n"), std::string::npos);

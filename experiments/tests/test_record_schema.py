@@ -119,6 +119,6 @@ def test_a_state_of_another_scene_is_refused(run, dem_bench, tmp_path):
 def test_list_has_every_table(dem_bench):
     lines = dem_bench("--list").stdout.splitlines()
     assert [line for line in lines if not line.startswith(" ")] == [
-        "scenes", "kernels", "prechecks", "grids", "contact rules", "schemes", "runtimes"]
+        "scenes", "kernels", "prechecks", "grids", "contact rules", "schemes", "runtimes", "step controls"]
     rows = [line.split(": ", 1) for line in lines if line.startswith("  ")]
     assert all(len(row) == 2 and row[1] for row in rows), rows

@@ -1,0 +1,67 @@
+#include "dem/verlet_list.hpp"
+#include <algorithm>
+#include <atomic>
+
+namespace trigrain {
+
+/// Notes how far bodies have moved since the last search; has one gone too far?
+bool VerletList::note_moves(const Particles& p, Team& team) {
+  constexpr int grain = 1024; // bodies a worker takes at a time
+  std::atomic<bool> too_far = then_.empty();
+  if (too_far) then_ = p.position;
+  moved_.resize(then_.size());
+  team.parallel_for(p.size(), grain, [&](int begin, int end, int) {
+    double most = 0;
+    for (int i = begin; i < end; ++i) {
+      moved_[i] = (p.position[i] - then_[i]).norm();
+      most = std::max(most, moved_[i]);
+    }
+    if (!(most <= skin_)) too_far.store(true, std::memory_order_relaxed);
+  });
+  return too_far;
+}
+
+void VerletList::search(Block& block, int first, int count, const Particles& particles) const {
+  block.pairs.clear();
+  block.compared = 0;
+  for (int e = 0; e < count; ++e) {
+    block.begin[e] = static_cast<int>(block.pairs.size());
+    block.compared += source_->pairs_of(first + e, particles, Sieve::spheres, block.pairs);
+  }
+  block.begin[count] = static_cast<int>(block.pairs.size());
+}
+
+void VerletList::update(const Particles& particles, Team& team) {
+  searched_ = note_moves(particles, team);
+  if (!searched_) return;
+  then_ = particles.position;
+  moved_.assign(then_.size(), 0);
+  source_->update(particles, team);
+  entries_ = source_->entries();
+  blocks_.resize((entries_ + block_entries - 1) / block_entries);
+  team.parallel_for(static_cast<int>(blocks_.size()), 1, [&](int begin, int end, int) {
+    for (int b = begin; b < end; ++b)
+      search(blocks_[b], b * block_entries, std::min(block_entries, entries_ - b * block_entries), particles);
+  });
+}
+
+std::int64_t VerletList::pairs_of(int entry, const Particles& particles, Sieve sieve,
+                                  std::vector<BodyPair>& pairs) const {
+  const Block& block = blocks_[entry / block_entries];
+  const int begin = block.begin[entry % block_entries], end = block.begin[entry % block_entries + 1];
+  for (int i = begin; i < end; ++i)
+    if (sieve == Sieve::none || spheres_overlap(particles, block.pairs[i])) pairs.push_back(block.pairs[i]);
+  return end - begin;
+}
+
+void VerletList::count(StepStats& stats) const {
+  StepStats of_source;
+  source_->count(of_source);
+  if (searched_)
+    for (const Block& block : blocks_) of_source.candidate_pairs += block.compared;
+  else
+    of_source.searches = of_source.refinements = of_source.coarsenings = 0;
+  stats += of_source;
+}
+
+} // namespace trigrain
