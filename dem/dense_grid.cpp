@@ -25,10 +25,8 @@ DenseGrid::DenseGrid(const GridKind& kind, int subdivision, const Domain& domain
 
 void DenseGrid::update(const Particles& p, Team&) {
   std::fill(first_.begin(), first_.end(), -1);
-  occupied_ = 0;
   for (int i = p.size() - 1; i >= 0; --i) { // backwards: the lists ascend
     int& first = first_[tree_.key(level_[i], tree_.vertex_near(level_[i], p.position[i]))];
-    occupied_ += first < 0;
     next_[i] = first;
     first = i;
   }
@@ -81,7 +79,7 @@ void DenseGrid::count(StepStats& stats) const {
   ++stats.searches;
   stats.levels += finest_ + 1;
   stats.cells += tree_.cells();
-  stats.occupied_vertices += occupied_;
+  stats.visited_vertices += entries();
 }
 
 } // namespace trigrain

@@ -18,6 +18,7 @@ class DenseGrid final : public PairSource {
                         std::vector<BodyPair>& pairs) const override;
   double room(int body) const override;
   void count(StepStats& stats) const override;
+  const Spacetree* tree() const override { return &tree_; }
 
  private:
   template <class Visit> void for_coarser_bodies(int level, std::uint64_t key, const Visit& visit) const;
@@ -25,12 +26,11 @@ class DenseGrid final : public PairSource {
 
   double skin_; // m
   Spacetree tree_;
-  std::vector<int> level_;    // where each body lives
-  std::vector<double> room_;  // per body (m)
-  std::vector<int> first_;    // per vertex: its first body, or -1
-  std::vector<int> next_;     // per body: the next one at its vertex, or -1
-  std::int64_t occupied_ = 0; // vertices
-  int finest_ = 0;            // level that holds a body
+  std::vector<int> level_;   // where each body lives
+  std::vector<double> room_; // per body (m)
+  std::vector<int> first_;   // per vertex: its first body, or -1
+  std::vector<int> next_;    // per body: the next one at its vertex, or -1
+  int finest_ = 0;           // level that holds a body
 };
 
 } // namespace trigrain

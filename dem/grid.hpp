@@ -36,7 +36,7 @@ class Grid final : public PairSource {
   double room(int body) const override;
   void count(StepStats& stats) const override;
 
-  const Spacetree& tree() const { return tree_; }
+  const Spacetree* tree() const override { return &tree_; }
   /// Where a body lives.
   int level_of(int body) const { return body_level_[body]; }
   std::uint64_t vertex_of(int body) const { return body_key_[body]; }

@@ -66,7 +66,7 @@ void Grid::count(StepStats& stats) const {
   stats.coarsenings += coarsenings_;
   stats.levels += occupied_levels();
   stats.cells += tree_.cells();
-  stats.occupied_vertices += occupied_vertices();
+  stats.visited_vertices += occupied_vertices();
   stats.virtual_copies += virtual_copies();
 }
 

@@ -10,7 +10,6 @@
 
 namespace trigrain {
 
-
 /// How body pairs are turned into contacts.
 struct NarrowPhase {
   const Kernel* kernel;

@@ -1,6 +1,7 @@
 #pragma once
 #include "dem/particles.hpp"
 #include "dem/runtime.hpp"
+#include "dem/spacetree.hpp"
 #include "dem/step_stats.hpp"
 #include <memory>
 #include <string_view>
@@ -41,6 +42,8 @@ class PairSource {
   virtual double room(int body) const = 0;
   /// Adds what the last update did.
   virtual void count(StepStats&) const {}
+  /// The cells it works with; null if there are none.
+  virtual const Spacetree* tree() const { return nullptr; }
 };
 
 /// The source that a grid kind's name and the other options ask for. `skin`, in diameters of the smallest moving body:

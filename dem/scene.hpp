@@ -60,6 +60,8 @@ struct SceneOptions {
   std::uint64_t seed = 1;
   std::string halo = "relative"; ///< "relative": 5 % of the radius; "published": 1 mm (Krestenitis 2018)
   double size_ratio = 1;         ///< largest over smallest diameter, where a scene mixes sizes
+  double fill = .5;              ///< of the gas: its largest diameter over the spacing of its lattice
+  double gravity = 0;            ///< of the gas, downwards (m/s2)
 };
 
 /// A scene that is there by name.

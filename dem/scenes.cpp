@@ -226,11 +226,11 @@ Scene make_two_particles(const SceneOptions& options) {
 Scene make_gas(const SceneOptions& options) {
   constexpr double thickness = .01, inside = 1 - 2 * thickness, speed = .1; // m, m, m/s per component
   Scene scene;
-  scene.gravity.setZero();
+  scene.gravity = {0, -options.gravity, 0};
   scene.contact.damping_ratio = scene.contact.friction = 0;
   scene.time.end = 10;
   const Lattice lattice = near_cube(options.particles, inside, {.5, thickness, .5});
-  const double largest = lattice.spacing / 2;
+  const double largest = options.fill * lattice.spacing;
   for (int axis = 0; axis < 3; ++axis)
     for (const double at : {thickness / 2, 1 - thickness / 2}) {
       Vector3d size(1, 1, 1), position(.5, .5, .5);
@@ -248,8 +248,9 @@ Scene make_gas(const SceneOptions& options) {
     body.halo = halo_for(options, diameter / 2);
     heaviest = std::max(heaviest, density * volume(body));
   }
-  // Two of the largest meet at up to 2 sqrt(3) x speed.
-  set_contact(scene, options, {heaviest / 2, 2 * std::sqrt(3.) * speed, largest / 2, 2 * scene.bodies[0].halo});
+  // Two of the largest meet at up to 2 sqrt(3) x speed, and faster where both have fallen from top to bottom.
+  const double fastest = std::sqrt(3 * speed * speed + 2 * options.gravity * inside);
+  set_contact(scene, options, {heaviest / 2, 2 * fastest, largest / 2, 2 * scene.bodies[0].halo});
   return scene;
 }
 
@@ -280,6 +281,13 @@ Scene make_scene(std::string_view name, const SceneOptions& options) {
     refuse("size_ratio is " + std::to_string(options.size_ratio), "Give 1 to 1000.");
   if (options.size_ratio != 1 && row.make != make_gas)
     refuse("size_ratio is " + std::to_string(options.size_ratio), "Only gas mixes sizes; leave it at 1.");
+  if (!(options.fill > 0 && options.fill <= .9))
+    refuse("fill is " + std::to_string(options.fill), "Give a number above 0 and up to .9.");
+  if (!(options.gravity >= 0 && options.gravity <= 1000))
+    refuse("gravity is " + std::to_string(options.gravity), "Give 0 to 1000 m/s2.");
+  const SceneOptions defaults;
+  if ((options.fill != defaults.fill || options.gravity != defaults.gravity) && row.make != make_gas)
+    refuse("fill or gravity is given", "Only gas takes them.");
   Scene scene = row.make(options);
   scene.name = name;
   return scene;

@@ -203,6 +203,7 @@ StepStats Simulation::run(std::int64_t steps) {
 
 const Scene& Simulation::scene() const { return state_->scene; }
 const Options& Simulation::options() const { return state_->options; }
+const PairSource& Simulation::pair_source() const { return *state_->source; }
 const Particles& Simulation::particles() const { return state_->particles; }
 const std::vector<Contact>& Simulation::contacts() const { return state_->contacts.contacts(); }
 double Simulation::time() const { return state_->time; }
@@ -253,7 +254,7 @@ StepStats& StepStats::operator+=(const StepStats& other) {
   fall_backs += other.fall_backs;
   contacts += other.contacts;
   crossings += other.crossings;
-  occupied_vertices += other.occupied_vertices;
+  visited_vertices += other.visited_vertices;
   virtual_copies += other.virtual_copies;
   levels += other.levels;
   cells += other.cells;

@@ -49,6 +49,7 @@ class Simulation {
   const Scene& scene() const;
   const Options& options() const;
   const Particles& particles() const;
+  const PairSource& pair_source() const;
   const std::vector<Contact>& contacts() const; ///< of the last step, sorted
   double time() const;                          ///< s
   double step_size() const;                     ///< of the last step (s)

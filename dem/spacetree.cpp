@@ -73,6 +73,17 @@ bool Spacetree::is_split(int level, const Index3& cell) const {
   return everywhere(level) || cell_[level].contains(key(level, cell));
 }
 
+void Spacetree::visit_leaves(int level, const Index3& cell, FunctionRef<void(int, const Index3&)> visit) const {
+  if (level + 1 == levels() || !is_split(level, cell)) return visit(level, cell);
+  for (int z = 0; z < k_; ++z)
+    for (int y = 0; y < k_; ++y)
+      for (int x = 0; x < k_; ++x) visit_leaves(level + 1, cell * k_ + Index3(x, y, z), visit);
+}
+
+void Spacetree::for_each_leaf(FunctionRef<void(int level, const Index3& cell)> visit) const {
+  visit_leaves(0, {0, 0, 0}, visit);
+}
+
 bool Spacetree::is_split_around(int level, const Index3& vertex) const {
   if (everywhere(level)) return true;
   bool all = true;

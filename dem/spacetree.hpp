@@ -1,5 +1,6 @@
 #pragma once
 #include "dem/grid_kind.hpp"
+#include "dem/runtime.hpp"
 #include "dem/scene.hpp"
 #include <cstdint>
 #include <unordered_map>
@@ -54,6 +55,9 @@ class Spacetree {
   /// One sweep of annealing: cells that hold no body may go, children before parents.
   void sweep();
 
+  /// Calls visit(level, cell) for every cell that is not split.
+  void for_each_leaf(FunctionRef<void(int level, const Index3& cell)> visit) const;
+
   std::int64_t cells() const { return cells_; }             ///< on all levels
   std::int64_t refinements() const { return refinements_; } ///< cells split so far
   std::int64_t coarsenings() const { return coarsenings_; } ///< cells made whole again so far
@@ -71,6 +75,7 @@ class Spacetree {
   bool everywhere(int level) const { return level < everywhere_; }
   Cell& split(int level, const Index3& cell);
   void age(Cell& cell) const;
+  void visit_leaves(int level, const Index3& cell, FunctionRef<void(int, const Index3&)> visit) const;
   template <class Visit> void for_cells_around(int level, const Index3& vertex, const Visit& visit) const;
 
   const GridKind& kind_;

@@ -63,23 +63,27 @@ template <class Visit> void for_pairs(const StepView& v, const Visit& visit) {
   }
 }
 
-/// Longest step (s) in which no pair that is apart can come to overlap, and of those that are not reported none can use
-/// up the room between them.
+/// Longest step (s) after which no pair that is apart can come to overlap within another contact step, and of those
+/// that are not reported none can use up the room between them. So the step before a contact is a contact step: its
+/// first force kicks over half of the last step too, and a long one would turn damping into a blow.
 double approach(const StepView& v) {
   const Particles& p = v.particles;
   double step = growth * v.last_step;
+  const auto limit = [&](double gap, double speed, double pull) {
+    step = std::min(step, time_to_close(gap, speed, pull, v.last_step) - v.contact_step);
+  };
   for (int i = 0; i < p.size(); ++i) {
     if (p.fixed(i)) continue;
     const double speed = p.velocity[i].norm() + spin(p, i);
-    step = std::min(step, time_to_close(v.source.room(i), speed, acceleration(v, i).norm(), v.last_step));
+    limit(v.source.room(i), speed, acceleration(v, i).norm());
   }
   std::vector<int> scratch;
   for_pairs(v, [&](BodyPair pair) {
     const double speed = (p.velocity[pair.a] - p.velocity[pair.b]).norm() + spin(p, pair.a) + spin(p, pair.b);
     const double pull = (acceleration(v, pair.a) - acceleration(v, pair.b)).norm();
     if (speed == 0 && pull == 0) return true; // they stay as they are
-    const double horizon = step * (speed + (v.last_step + step) / 2 * pull);
-    step = std::min(step, time_to_close(gap_of(p, pair, horizon, scratch), speed, pull, v.last_step));
+    const double t = step + v.contact_step, horizon = t * (speed + (v.last_step + t) / 2 * pull);
+    limit(gap_of(p, pair, horizon, scratch), speed, pull);
     return step > v.contact_step;
   });
   return std::max(step, v.contact_step);

@@ -17,16 +17,16 @@ struct StepStats {
   std::int64_t body_pairs = 0;      ///< body pairs that passed the body pre-check
   std::int64_t triangle_pairs = 0;  ///< triangle pairs the kernel looked at
   std::int64_t newton_steps = 0;
-  std::int64_t fall_backs = 0;        ///< triangle pairs a hybrid kernel redid by brute force
-  std::int64_t contacts = 0;          ///< contact points that carried force
-  std::int64_t crossings = 0;         ///< pairs found at distance 0: they have no normal and got no force
-  std::int64_t occupied_vertices = 0; ///< of the grid, summed over steps
-  std::int64_t virtual_copies = 0;    ///< of coarse bodies at finer vertices, summed over steps
-  std::int64_t levels = 0;            ///< of the grid down to the finest that holds a body, summed over steps
-  std::int64_t cells = 0;             ///< of the grid, on all levels, summed over steps
-  std::int64_t refinements = 0;       ///< cells that were split
-  std::int64_t coarsenings = 0;       ///< split cells that were made whole again
-  std::int64_t searches = 0;          ///< steps in which the grid was updated and asked for pairs
+  std::int64_t fall_backs = 0;       ///< triangle pairs a hybrid kernel redid by brute force
+  std::int64_t contacts = 0;         ///< contact points that carried force
+  std::int64_t crossings = 0;        ///< pairs found at distance 0: they have no normal and got no force
+  std::int64_t visited_vertices = 0; ///< of the grid: those that hold bodies, or all of a dense one; over steps
+  std::int64_t virtual_copies = 0;   ///< of coarse bodies at finer vertices, summed over steps
+  std::int64_t levels = 0;           ///< of the grid down to the finest that holds a body, summed over steps
+  std::int64_t cells = 0;            ///< of the grid, on all levels, summed over steps
+  std::int64_t refinements = 0;      ///< cells that were split
+  std::int64_t coarsenings = 0;      ///< split cells that were made whole again
+  std::int64_t searches = 0;         ///< steps in which the grid was updated and asked for pairs
 
   StepStats& operator+=(const StepStats& other);
 };

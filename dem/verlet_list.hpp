@@ -16,6 +16,7 @@ class VerletList final : public PairSource {
                         std::vector<BodyPair>& pairs) const override;
   double room(int body) const override { return skin_ - moved_[body]; }
   void count(StepStats& stats) const override;
+  const Spacetree* tree() const override { return source_->tree(); }
 
  private:
   static constexpr int block_entries = 64; ///< of the other source, searched by one worker

@@ -44,6 +44,9 @@ void add_scene_options(CLI::App& app, BenchRequest& r) {
   built_in(app.add_option("--seed", s.seed, "of shapes and places"));
   built_in(app.add_option("--halo", s.halo, "relative: 5 % of the radius; published: 1 mm"));
   built_in(app.add_option("--size-ratio", s.size_ratio, "largest over smallest diameter"))->check(CLI::PositiveNumber);
+  built_in(app.add_option("--fill", s.fill, "of the gas: largest diameter over the spacing of its lattice"))
+      ->check(CLI::PositiveNumber);
+  built_in(app.add_option("--gravity", s.gravity, "of the gas, downwards (m/s2)"))->check(CLI::NonNegativeNumber);
   app.add_option("--start-state", r.start_state, "final state of the same scene to start from");
 }
 
@@ -78,12 +81,15 @@ void add_run_options(CLI::App& app, BenchRequest& r) {
 
   const auto output = [](CLI::Option* option) { return option->group("Output"); };
   output(app.add_option("--record", r.record, "JSON of all that was run, checked and measured"));
+  output(app.add_option("--history", r.history, "add a row to the record's history for every so many steps"))
+      ->check(CLI::PositiveNumber);
   output(app.add_option("--point-id", r.point_id, "name of this point of a sweep"));
   output(app.add_option("--param", r.extra_params, "key=value, copied into the record's params; may be repeated"))
       ->allow_extra_args(false);
   output(app.add_option("--final-state", r.final_state, "JSON of where the bodies ended"));
   output(app.add_option("--trace", r.trace, "every piece of work of every thread, in Chrome's trace format"));
-  auto* vtk = output(app.add_option("--vtk", r.vtk, "folder for ParaView: one .vtp per frame and frames.pvd"));
+  auto* vtk = output(app.add_option("--vtk", r.vtk,
+                                    "folder for ParaView: frames.pvd with the bodies, grid.pvd with the grid's cells"));
   output(app.add_option("--vtk-every", r.vtk_every, "simulated seconds between frames; default: first and last only"))
       ->check(CLI::PositiveNumber)
       ->needs(vtk);
@@ -138,6 +144,8 @@ Json params_of(const BenchRequest& r) {
                  {"seed", if_built_in(r.scene_options.seed)},
                  {"halo", if_built_in(r.scene_options.halo)},
                  {"size_ratio", if_built_in(r.scene_options.size_ratio)},
+                 {"fill", if_built_in(r.scene_options.fill)},
+                 {"gravity", if_built_in(r.scene_options.gravity)},
                  {"start_state", path(r.start_state)},
                  {"kernel", r.options.kernel},
                  {"precheck", r.options.precheck},

@@ -24,7 +24,8 @@ struct BenchRequest {
   std::int64_t warmup = 0;           ///< untimed steps before each sample
   std::optional<std::int64_t> check_steps;
   std::filesystem::path record, final_state, trace, vtk;
-  double vtk_every = 0; ///< simulated seconds; 0: first and last only
+  std::int64_t history = 0; ///< steps per row of the record's history; 0: none
+  double vtk_every = 0;     ///< simulated seconds; 0: first and last only
   std::string point_id;
   std::vector<std::string> extra_params; ///< key=value
 };

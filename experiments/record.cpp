@@ -81,7 +81,7 @@ Json counts_json(const StepStats& stats) {
           {"fall_backs", stats.fall_backs},
           {"contacts", stats.contacts},
           {"crossings", stats.crossings},
-          {"occupied_vertices", stats.occupied_vertices},
+          {"visited_vertices", stats.visited_vertices},
           {"virtual_copies", stats.virtual_copies},
           {"levels", stats.levels},
           {"cells", stats.cells},
@@ -120,6 +120,8 @@ Json make_record(const PointResult& point, const std::string& point_id) {
           {"counts", last ? counts_json(last->stats) : Json(nullptr)},
           {"energy_J",
            last ? Json{{"initial", energy_json(last->initial)}, {"final", energy_json(last->final)}} : Json(nullptr)},
+          {"history", last && last->history ? last->history->to_json() : Json(nullptr)},
+          {"heap_bytes", last ? or_null(last->heap_bytes) : Json(nullptr)},
           {"state_hash", last ? hash_json(last->state_hash) : Json(nullptr)},
           {"counters", point.counters},
           {"warnings", point.warnings}};

@@ -1,6 +1,7 @@
 #include "experiments/run_point.hpp"
 #include "experiments/counters.hpp"
 #include "experiments/likwid_marker.hpp"
+#include "experiments/memory.hpp"
 #include "experiments/trace.hpp"
 #include "experiments/vtk.hpp"
 #include "kernels/name_table.hpp"
@@ -56,15 +57,17 @@ class Sampler {
   Sample run(int number, FrameWriter* frames, FinalState& last) {
     Options options = request_.options;
     options.observer = traced() ? trace_.observer() : marker_.observer();
+    const std::optional<std::int64_t> heap_before = heap_in_use(); // the scene's meshes are among it
     Simulation simulation(point_.scene, options);
     simulation.run(request_.warmup);
     const double start = simulation.time();
     Sample sample;
+    if (request_.history > 0) sample.history.emplace(request_.history);
     sample.initial = simulation.energy();
     double next_frame = start;
     while (!length_.reached(sample.stats.steps, simulation.time() - start)) {
       if (frames && simulation.time() >= next_frame) {
-        frames->write(simulation.particles(), point_.start_time + simulation.time());
+        frames->write(simulation.particles(), simulation.pair_source().tree(), point_.start_time + simulation.time());
         next_frame = request_.vtk_every > 0 ? next_frame + request_.vtk_every : std::numeric_limits<double>::infinity();
       }
       run_slice(simulation, start, next_frame, sample);
@@ -72,7 +75,9 @@ class Sampler {
         report_({number, request_.repeats, length_.share(sample.stats.steps, simulation.time() - start),
                  simulation.time()});
     }
-    if (frames) frames->write(simulation.particles(), point_.start_time + simulation.time());
+    if (frames)
+      frames->write(simulation.particles(), simulation.pair_source().tree(), point_.start_time + simulation.time());
+    if (heap_before && !sample.history && !frames && !traced()) sample.heap_bytes = *heap_in_use() - *heap_before;
     sample.final = simulation.energy();
     sample.state_hash = simulation.state_hash();
     sample.state = check_state(simulation.particles());
@@ -94,7 +99,9 @@ class Sampler {
     marker_.start();
     if (traced()) trace_.start();
     do {
-      sample.stats += simulation.step();
+      const StepStats step = simulation.step();
+      sample.stats += step;
+      if (sample.history) sample.history->add(step, simulation);
       if (traced()) trace_.mark_step();
     } while (!length_.reached(sample.stats.steps, simulation.time() - start) && simulation.time() < next_frame &&
              !(report_ && std::chrono::steady_clock::now() > watched_until));

@@ -1,6 +1,7 @@
 #pragma once
 #include "experiments/command_line.hpp"
 #include "experiments/final_state.hpp"
+#include "experiments/history.hpp"
 #include "experiments/machine.hpp"
 #include "experiments/verify.hpp"
 #include <cstdint>
@@ -20,6 +21,8 @@ struct Sample {
   std::uint64_t state_hash = 0; ///< of its last state
   CheckItem state;              ///< that state is finite
   int bodies_outside = 0;
+  std::optional<History> history;
+  std::optional<std::int64_t> heap_bytes; ///< that the simulation held at the end, meshes not counted
 };
 
 /// How far a run has come: called between steps, outside of the clock.

@@ -1,5 +1,6 @@
 #include "experiments/vtk.hpp"
 #include "experiments/atomic_file.hpp"
+#include "experiments/vtk_arrays.hpp"
 #include "kernels/name_table.hpp"
 #include <bit>
 #include <cstdint>
@@ -9,9 +10,6 @@
 #include <string_view>
 
 namespace trigrain {
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "the files say LittleEndian");
 
 std::string base64(std::string_view bytes) {
   constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -26,22 +24,9 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-/// The arrays behind <AppendedData>; each is its length in bytes (UInt64) and its values.
-struct Appended {
-  std::string text;
+namespace {
 
-  template <class T>
-  std::string array(const char* type, const char* name, int components, const std::vector<T>& values) {
-    const std::uint64_t length = values.size() * sizeof(T);
-    std::string bytes(reinterpret_cast<const char*>(&length), sizeof length);
-    bytes.append(reinterpret_cast<const char*>(values.data()), length);
-    std::ostringstream tag;
-    tag << "<DataArray type=\"" << type << "\" Name=\"" << name << "\" NumberOfComponents=\"" << components
-        << "\" format=\"appended\" offset=\"" << text.size() << "\"/>\n";
-    text += base64(bytes);
-    return tag.str();
-  }
-};
+static_assert(std::endian::native == std::endian::little, "the files say LittleEndian");
 
 /// All triangles of all bodies.
 struct Surfaces {
@@ -75,7 +60,7 @@ std::string vtp_text(const Particles& p) {
       surfaces.add(p, i, ball, p.radius[i]);
     else
       surfaces.add(p, i, *p.mesh[i], 1);
-  Appended data;
+  VtkArrays data;
   std::ostringstream out;
   out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
          "header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\""
@@ -108,12 +93,17 @@ FrameWriter::FrameWriter(std::filesystem::path folder) : folder_(std::move(folde
                      "). Name a folder inside one that exists.");
 }
 
-void FrameWriter::write(const Particles& particles, double time) {
+void FrameWriter::write(const Particles& particles, const Spacetree* tree, double time) {
   char name[32];
   std::snprintf(name, sizeof name, "frame_%05zu.vtp", frames_.size());
   write_atomically(folder_ / name, vtp_text(particles));
   frames_.emplace_back(time, name);
   write_atomically(folder_ / "frames.pvd", pvd_text(frames_));
+  if (!tree || tree->cells() > most_cells_written) return;
+  std::snprintf(name, sizeof name, "grid_%05zu.vtu", grids_.size());
+  write_atomically(folder_ / name, vtu_text(*tree));
+  grids_.emplace_back(time, name);
+  write_atomically(folder_ / "grid.pvd", pvd_text(grids_));
 }
 
 } // namespace trigrain

@@ -1,5 +1,6 @@
 #pragma once
 #include "dem/particles.hpp"
+#include "dem/spacetree.hpp"
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -12,19 +13,25 @@ namespace trigrain {
 /// (`speed_m_s`).
 std::string vtp_text(const Particles& particles);
 
+/// The cells of a grid that are not split as VTK XML UnstructuredGrid: per cell its level (`level`).
+std::string vtu_text(const Spacetree& tree);
+constexpr std::int64_t most_cells_written = 500'000; ///< a grid of more is left out of a frame
+
 /// The list of frames that ParaView opens: pairs of time (s) and file name.
 std::string pvd_text(const std::vector<std::pair<double, std::string>>& frames);
 
-/// Frames of one run in a folder: frame_00000.vtp, ... and frames.pvd, whole after every frame.
+/// Frames of one run in a folder: frame_00000.vtp, ... and frames.pvd; of the grid, grid_00000.vtu, ... and grid.pvd.
+/// Whole after every frame.
 class FrameWriter {
  public:
   /// Makes the folder, but not its parents. InputError if that cannot be.
   explicit FrameWriter(std::filesystem::path folder);
-  void write(const Particles& particles, double time);
+  /// `tree` may be null.
+  void write(const Particles& particles, const Spacetree* tree, double time);
 
  private:
   std::filesystem::path folder_;
-  std::vector<std::pair<double, std::string>> frames_;
+  std::vector<std::pair<double, std::string>> frames_, grids_;
 };
 
 } // namespace trigrain

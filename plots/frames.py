@@ -2,6 +2,7 @@
 import base64
 import re
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,14 +21,29 @@ class Frame:
     speed: np.ndarray
 
 
-def read_frames(folder: Path) -> list[tuple[float, Path]]:
-    """Times (s) and files of a frames.pvd, in its order. OSError or ValueError if it cannot be read."""
-    root = ElementTree.fromstring((folder / "frames.pvd").read_text(encoding="utf-8"))
+def read_frames(folder: Path, listing: str = "frames.pvd") -> list[tuple[float, Path]]:
+    """Times (s) and files of a frames.pvd or grid.pvd, in its order. OSError or ValueError if it cannot be read."""
+    root = ElementTree.fromstring((folder / listing).read_text(encoding="utf-8"))
     return [(float(data.attrib["timestep"]), folder / data.attrib["file"]) for data in root.iter("DataSet")]
 
 
 def read_frame(time: float, path: Path) -> Frame:
     """One frame. ValueError if the file is not of the kind that dem_bench writes."""
+    array = arrays_of(path)
+    points = array("position_m").reshape(-1, 3)
+    corners = points[array("connectivity").reshape(-1, 3)]
+    return Frame(time, corners, array("body"), array("speed_m_s"))
+
+
+def cells_of(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Lower and upper corners (m) and levels of the cells of a grid. ValueError as read_frame()."""
+    array = arrays_of(path)
+    corners = array("position_m").reshape(-1, 3)[array("connectivity").reshape(-1, 8)]
+    return corners[:, 0], corners[:, 7], array("level")
+
+
+def arrays_of(path: Path) -> Callable[[str], np.ndarray]:
+    """What reads the arrays of one file by name."""
     text = path.read_text(encoding="ascii")
     head, _, tail = text.partition('<AppendedData encoding="base64">')
     data = tail[tail.find("_") + 1:]
@@ -41,9 +57,7 @@ def read_frame(time: float, path: Path) -> Frame:
         encoded = data[begin:begin + (HEADER_BYTES + count + 2) // 3 * 4]
         return np.frombuffer(base64.b64decode(encoded)[HEADER_BYTES:HEADER_BYTES + count], TYPES[found[1]])
 
-    points = array("position_m").reshape(-1, 3)
-    corners = points[array("connectivity").reshape(-1, 3)]
-    return Frame(time, corners, array("body"), array("speed_m_s"))
+    return array
 
 
 def standing(first: Frame, last: Frame) -> np.ndarray:

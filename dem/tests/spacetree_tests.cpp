@@ -51,7 +51,7 @@ TEST(Spacetree, BodiesLiveAtTheNearestVertexOfTheirLevelWhichNeverHangs) {
         p.add(ball(.01 * std::pow(20, unit(random)), Vector3d(unit(random), unit(random), unit(random)),
                    Vector3d(unit(random), unit(random), unit(random)) - Vector3d::Constant(.5)));
       Grid grid = grid_of(kind, k, p);
-      const Spacetree& tree = grid.tree();
+      const Spacetree& tree = *grid.tree();
       for (int step = 0; step < 30; ++step) {
         compare_all(grid, p);
         for (int i = 0; i < p.size(); ++i) {
@@ -78,10 +78,10 @@ TEST(Spacetree, AtRestNothingIsSplitOrJoined) {
   for (const char* kind : {"adaptive", "reluctant"}) {
     Grid grid = grid_of(kind, 3, p);
     for (int step = 0; step < 20; ++step) compare_all(grid, p);
-    const std::int64_t cells = grid.tree().cells(), work = grid.tree().refinements() + grid.tree().coarsenings();
+    const std::int64_t cells = grid.tree()->cells(), work = grid.tree()->refinements() + grid.tree()->coarsenings();
     for (int step = 0; step < 20; ++step) compare_all(grid, p);
-    EXPECT_EQ(grid.tree().cells(), cells) << kind;
-    EXPECT_EQ(grid.tree().refinements() + grid.tree().coarsenings(), work) << kind;
+    EXPECT_EQ(grid.tree()->cells(), cells) << kind;
+    EXPECT_EQ(grid.tree()->refinements() + grid.tree()->coarsenings(), work) << kind;
   }
 }
 
@@ -92,12 +92,12 @@ TEST(Spacetree, CellsOfTheAdaptiveGridFollowABodyAndLeaveNothingBehind) {
     Grid grid = grid_of("adaptive", k, p);
     grid.update(p, one_thread());
     const std::int64_t most = 1 + (grid.levels() - 1) * 8 * k * k * k; // 8 split cells per level
-    EXPECT_LE(grid.tree().cells(), most);
+    EXPECT_LE(grid.tree()->cells(), most);
     for (int step = 0; step < 500; ++step) {
       p.position[0] = Vector3d(.5 + .4 * std::sin(.1 * step), .5 + .4 * std::sin(.13 * step), .5);
       grid.update(p, one_thread());
-      ASSERT_LE(grid.tree().cells(), most) << "k=" << k << " step " << step;
-      ASSERT_EQ(grid.tree().cells(), 1 + (grid.tree().refinements() - grid.tree().coarsenings()) * k * k * k);
+      ASSERT_LE(grid.tree()->cells(), most) << "k=" << k << " step " << step;
+      ASSERT_EQ(grid.tree()->cells(), 1 + (grid.tree()->refinements() - grid.tree()->coarsenings()) * k * k * k);
     }
   }
 }
@@ -113,16 +113,16 @@ TEST(Spacetree, ReluctantSplitsOnlyForBodiesThatMeet) {
     return compare_all(grid, p);
   };
   for (double x = .3; x > .0101; x -= .01) ASSERT_EQ(step(x), 1u) << "both at the root: one comparison";
-  EXPECT_EQ(grid.tree().refinements(), 0) << "they have not met yet";
+  EXPECT_EQ(grid.tree()->refinements(), 0) << "they have not met yet";
   for (int i = 0; i < 10; ++i) step(.0099);
-  EXPECT_EQ(grid.level_of(0), grid.tree().level_for(.02));
-  EXPECT_GT(grid.tree().refinements(), 0);
-  const std::int64_t most = grid.tree().cells();
+  EXPECT_EQ(grid.level_of(0), grid.tree()->level_for(.02));
+  EXPECT_GT(grid.tree()->refinements(), 0);
+  const std::int64_t most = grid.tree()->cells();
   for (auto& v : p.velocity) v = -v;
   step(.3);
-  EXPECT_LT(grid.level_of(0), grid.tree().level_for(.02)) << "lifted";
+  EXPECT_LT(grid.level_of(0), grid.tree()->level_for(.02)) << "lifted";
   for (int i = 0; i < 5; ++i) step(.3);
-  EXPECT_LT(grid.tree().cells(), most);
+  EXPECT_LT(grid.tree()->cells(), most);
 }
 
 TEST(Spacetree, AnnealingHalvesTheMassOfACellInEverySweep) {

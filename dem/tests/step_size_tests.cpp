@@ -70,6 +70,25 @@ TEST(StepSize, ApproachNeverCrossesAndNeedsAQuarterOfTheStepsAtEqualEnergyError)
   }
 }
 
+TEST(StepSize, DampedImpactsAfterLongStepsGainNoEnergy) {
+  for (const char* grid : {"none", "regular", "regular-dense", "adaptive", "reluctant"}) {
+    Scene scene = make_scene("two-particles", {.vertices = 0});
+    scene.time.control = "approach";
+    Simulation sim(scene, {.grid = grid});
+    const double before = sim.energy().kinetic;
+    double longest_step = 0;
+    std::int64_t contacts = 0;
+    while (sim.time() < 4) {
+      contacts += sim.step().contacts;
+      longest_step = std::max(longest_step, sim.step_size());
+    }
+    EXPECT_GT(longest_step, 100 * scene.time.step) << grid;
+    EXPECT_GT(contacts, 5) << grid << ": an impact takes more than one step";
+    EXPECT_LT(sim.energy().kinetic, before) << grid;
+    EXPECT_LT(sim.particles().velocity[0].norm(), .6) << grid << ": it meets a wall that moves at .17 m/s";
+  }
+}
+
 TEST(StepSize, ApproachSeesTheSpeedOfATurningRod) {
   Scene scene = bouncing_ball("approach");
   scene.gravity.setZero();

@@ -61,6 +61,8 @@ DEM_BENCH = Program("dem_bench", {
     "seed": Parameter("--seed", int, least=0),
     "halo": Parameter("--halo", str, ("relative", "published")),
     "size_ratio": Parameter("--size-ratio", float, least=1),
+    "fill": Parameter("--fill", float, least=1e-3),
+    "gravity": Parameter("--gravity", float, least=0),
     "kernel": Parameter("--kernel", str, ("brute", "brute-simd", "iterative", "hybrid-pair", "hybrid-batch", "sphere")),
     "precheck": Parameter("--precheck", str, ("none", "sphere", "box", "octree")),
     "grid": Parameter("--grid", str, ("none", "regular", "regular-dense", "adaptive", "reluctant")),
@@ -77,6 +79,7 @@ DEM_BENCH = Program("dem_bench", {
     "repeats": Parameter("--repeats", int, least=1),
     "warmup": Parameter("--warmup", int, least=0),
     "check_steps": Parameter("--check-steps", int, least=1),
+    "history": Parameter("--history", int, least=1),
     "vtk_every_s": Parameter("--vtk-every", float, least=1e-9),
 }, exactly_one=(("scene", "scene_file"), ("steps", "end_s")))
 

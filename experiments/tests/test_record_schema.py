@@ -69,7 +69,8 @@ def test_final_state_keeps_to_its_schema_and_can_be_gone_on_from(run, dem_bench,
 def test_frames_are_listed_with_their_times(run):
     pvd = (run[1] / "vtk" / "frames.pvd").read_text()
     assert pvd.count("<DataSet") == 2
-    assert {f.name for f in (run[1] / "vtk").iterdir()} == {"frames.pvd", "frame_00000.vtp", "frame_00001.vtp"}
+    assert {f.name for f in (run[1] / "vtk").iterdir()} == {
+        "frames.pvd", "frame_00000.vtp", "frame_00001.vtp", "grid.pvd", "grid_00000.vtu", "grid_00001.vtu"}
 
 
 def test_summary_says_what_was_checked_and_written(run):

@@ -1,5 +1,8 @@
+#include "dem/pair_source.hpp"
 #include "experiments/vtk.hpp"
 #include "kernels/name_table.hpp"
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -101,13 +104,44 @@ TEST(Vtk, the_list_of_frames_has_times_and_files) {
 TEST(Vtk, frames_and_their_list_are_in_the_folder) {
   const fs::path folder = fs::path(testing::TempDir()) / ("trigrain_vtk_" + std::to_string(::getpid()));
   FrameWriter frames(folder);
-  frames.write(cube_and_sphere(), 0);
-  frames.write(cube_and_sphere(), .5);
+  frames.write(cube_and_sphere(), nullptr, 0);
+  frames.write(cube_and_sphere(), nullptr, .5);
   EXPECT_TRUE(fs::exists(folder / "frame_00000.vtp"));
   EXPECT_TRUE(fs::exists(folder / "frame_00001.vtp"));
   EXPECT_TRUE(fs::exists(folder / "frames.pvd"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 3);
   fs::remove_all(folder);
+}
+
+TEST(Vtk, cells_of_a_grid_fill_the_domain_without_overlap) {
+  Particles balls;
+  for (const double x : {.1, .13, .8}) balls.add({.mesh = nullptr, .sphere_radius = .01, .position = {x, .2, .3}});
+  const Domain domain{.min = {-1, 0, 0}, .size = 2};
+  for (const char* grid : {"none", "regular", "regular-dense", "adaptive"}) {
+    const auto source = make_pair_source({.grid = grid}, domain, balls);
+    Team team(row_named(runtimes(), "runtime", "serial"), 1);
+    source->update(balls, team);
+    const std::string vtu = vtu_text(*source->tree());
+    const auto points = array_of<double>(vtu, "position_m");
+    const auto corners = array_of<std::int64_t>(vtu, "connectivity");
+    const auto level = array_of<std::int32_t>(vtu, "level");
+    const auto types = array_of<std::uint8_t>(vtu, "types");
+    ASSERT_EQ(types.size(), level.size());
+    ASSERT_EQ(corners.size(), 8 * level.size());
+    double volume = 0;
+    for (std::size_t c = 0; c < level.size(); ++c) {
+      EXPECT_EQ(types[c], 11);
+      const double *low = &points[3 * corners[8 * c]], *high = &points[3 * corners[8 * c + 7]];
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(high[axis] - low[axis], 2 / std::pow(3, level[c]), 1e-12);
+        EXPECT_GE(low[axis], domain.min[axis] - 1e-12);
+        EXPECT_LE(high[axis], domain.min[axis] + 2 + 1e-12);
+      }
+      volume += std::pow(2 / std::pow(3, level[c]), 3);
+    }
+    EXPECT_NEAR(volume, 8, 1e-9) << grid;
+    EXPECT_EQ(*std::max_element(level.begin(), level.end()), std::string_view(grid) == "none" ? 0 : 4);
+  }
 }
 
 TEST(Vtk, a_folder_that_cannot_be_made_is_an_input_error) {
