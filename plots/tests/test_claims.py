@@ -63,6 +63,16 @@ def test_ratios_hold_for_every_value_of_the_axis(made_up):
     assert judge(BY_ID["hybrid-1"], made_up.folder).word == FAIL
 
 
+@pytest.mark.parametrize("flops,word", [((3e6, 1e6), PASS), ((2e6, 1e6), FAIL), ((None, 1e6), UNTESTABLE), (None, UNTESTABLE)])
+def test_counted_flops_decide_where_there_are_counters(made_up, flops, word):
+    points = made_up.sweep("figure_counters", {"kernel": ["brute-simd", "brute"]}, {**FIXED, "vertices": 10})
+    for point, value in zip(points.values(), flops or ()):
+        made_up.write("figure_counters/counters", point["id"], {
+            "schema": "trigrain-counters-1", "point_id": point["id"], "steps": 1, "phases": {},
+            "whole": {"flops_dp": {"value": value, "reason": None if value else "no PMU"}}})
+    assert judge(BY_ID["counters"], made_up.folder).word == word
+
+
 def test_grains_that_hang_in_the_air_do_not_flow(hopper_frames):
     assert judge(BY_ID["8.4"], hopper_frames.folder).word == FAIL  # none is below the opening
 
