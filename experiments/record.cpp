@@ -40,16 +40,6 @@ Json scene_json(const PointResult& point) {
           {"total_mass_kg", mass}};
 }
 
-Json build_json() {
-  Json libraries;
-  for (const auto& [name, version] : build_info.libraries) libraries[std::string(name)] = or_null(version);
-  return {{"version", build_info.version},       {"commit", or_null(build_info.commit)},
-          {"dirty", build_info.dirty},           {"compiler", build_info.compiler},
-          {"flags", build_info.flags},           {"arch", build_info.arch},
-          {"build_type", build_info.build_type}, {"arch_resolved", or_null(build_info.arch_resolved)},
-          {"libraries", std::move(libraries)}};
-}
-
 Json check_json(const Check& check) {
   Json how = Json::array();
   for (const CheckItem& item : check.how)
@@ -102,6 +92,16 @@ Json hash_json(std::uint64_t hash) {
 
 } // namespace
 
+Json describe_build() {
+  Json libraries;
+  for (const auto& [name, version] : build_info.libraries) libraries[std::string(name)] = or_null(version);
+  return {{"version", build_info.version},       {"commit", or_null(build_info.commit)},
+          {"dirty", build_info.dirty},           {"compiler", build_info.compiler},
+          {"flags", build_info.flags},           {"arch", build_info.arch},
+          {"build_type", build_info.build_type}, {"arch_resolved", or_null(build_info.arch_resolved)},
+          {"libraries", std::move(libraries)}};
+}
+
 Json make_record(const PointResult& point, const std::string& point_id) {
   Json samples = Json::array();
   for (const Sample& sample : point.samples) samples.push_back(sample_json(sample));
@@ -112,7 +112,7 @@ Json make_record(const PointResult& point, const std::string& point_id) {
           {"started_utc", point.started_utc},
           {"params", point.params},
           {"scene", scene_json(point)},
-          {"build", build_json()},
+          {"build", describe_build()},
           {"machine", describe_machine()},
           {"placement", point.placement},
           {"check", check_json(point.check)},

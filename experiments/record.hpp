@@ -8,4 +8,7 @@ namespace trigrain {
 /// and flags, whether it was right, and every time that was measured.
 nlohmann::ordered_json make_record(const PointResult& point, const std::string& point_id);
 
+/// The part of a record that says how this program was built.
+nlohmann::ordered_json describe_build();
+
 } // namespace trigrain

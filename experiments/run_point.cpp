@@ -17,15 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string utc_now() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
 /// Length of one sample: whichever comes first of so many steps and so much simulated time.
 struct Length {
   std::int64_t steps = std::numeric_limits<std::int64_t>::max();
@@ -157,6 +148,15 @@ Scene warmed_up(const Scene& scene, const BenchRequest& request) {
 }
 
 } // namespace
+
+std::string utc_now() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
 
 PointResult run_point(const BenchRequest& request, const std::function<void(const Progress&)>& report) {
   HardwareCounters counters; // before the first thread, so that it counts all of them

@@ -83,9 +83,30 @@ DEM_BENCH = Program("dem_bench", {
     "vtk_every_s": Parameter("--vtk-every", float, least=1e-9),
 }, exactly_one=(("scene", "scene_file"), ("steps", "end_s")))
 
+TRIANGLE_FAMILIES = (
+    "random_mixed", "random_sep", "random_far", "near_vf", "near_ee", "near_vv", "near_ve", "touch_vf", "touch_ee",
+    "touch_ve", "touch_vv", "touch_rounded", "shared_corner", "shared_edge", "identical", "cross_deep", "cross_shallow",
+    "parallel_exact", "parallel_near", "parallel_edges", "coplanar_sep", "coplanar_mixed", "contained", "sliver_near",
+    "sliver_cross", "sliver_mixed", "degenerate_seg", "degenerate_pt", "offset_1e4", "scale_1em6", "scale_1em3",
+    "scale_1e3", "scale_1e6", "size_ratio", "mesh_near", "lattice", "every")
+MESH_FAMILIES = (
+    "granulates_10", "granulates_10_apart", "granulates_20", "granulates_20_apart", "granulates_40",
+    "granulates_40_apart", "spheres_80", "spheres_320", "spheres_1280", "spheres_5120", "spheres_20480", "spheres_81920")
+PEERS = ("fcl", "cgal", "bullet", "ode")
+
 KERNEL_BENCH = Program("kernel_bench", {
-    "kernel": Parameter("--kernel", str, ("brute", "brute-simd", "iterative", "hybrid-pair", "hybrid-batch")),
-    "family": Parameter("--family", str, ("random_sep", "random_far", "near", "crossing", "granulates")),
+    "kernel": Parameter("--kernel", str, ("brute", "brute-simd", "iterative", "hybrid-pair", "hybrid-batch", *PEERS)),
+    "precision": Parameter("--precision", str, ("double", "float", "mixed")),
+    "lanes": Parameter("--lanes", int, least=0),
+    "family": Parameter("--family", str, TRIANGLE_FAMILIES + MESH_FAMILIES),
+    "precheck": Parameter("--precheck", str, ("none", "sphere", "box", "octree")),
+    "steps": Parameter("--steps", int, least=0),
+    "tolerance": Parameter("--tolerance", float, least=0),
+    "batch": Parameter("--batch", int, least=1),
+    "schedule": Parameter("--schedule", str, ("constant", "stiff", "growing")),
+    "reach_m": Parameter("--reach", float, least=0),
+    "pairs": Parameter("--pairs", int, least=1),
+    "seed": Parameter("--seed", int, least=0),
     "repeats": Parameter("--repeats", int, least=1),
 })
 

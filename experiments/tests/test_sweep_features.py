@@ -272,7 +272,7 @@ def test_it_needs_no_python_package(bench):
 KERNEL_BENCH = """#!/usr/bin/python3
 import json, sys
 if "--list" in sys.argv:
-    print("kernels\\n  brute: all features\\nfamilies\\n  near: in contact\\n  crossing: most cross")
+    print("kernels\\n  brute: all features\\nfamilies\\n  near_vf: in contact\\n  cross_deep: all cross")
     sys.exit(0)
 call = dict(zip(sys.argv[1::2], sys.argv[2::2]))
 with open(call["--record"], "w") as file:
@@ -285,7 +285,7 @@ def test_kernel_bench_is_swept_as_dem_bench_is(bench):
     (bench.folder / "bin/kernel_bench").write_text(KERNEL_BENCH)
     (bench.folder / "bin/kernel_bench").chmod(0o755)
     bench.spec.write_text(json.dumps({"program": "kernel_bench", "fixed": {"repeats": 2}, "axes": {
-        "kernel": ["brute", "hybrid-pair"], "family": ["near", "crossing", "granulates"]}}))
+        "kernel": ["brute", "hybrid-pair"], "family": ["near_vf", "cross_deep", "lattice"]}}))
     assert "2 finished, 4 not available in this build" in bench.run("run").stdout
-    assert {record["params"]["--family"] for record in bench.records().values()} == {"near", "crossing"}
-    assert "kernel 'hybrid-pair'" in bench.run("status").stdout and "family 'granulates'" in bench.run("status").stdout
+    assert {record["params"]["--family"] for record in bench.records().values()} == {"near_vf", "cross_deep"}
+    assert "kernel 'hybrid-pair'" in bench.run("status").stdout and "family 'lattice'" in bench.run("status").stdout

@@ -8,18 +8,23 @@
 
 namespace trigrain {
 
-Problem problem(const RandomFamily& family, std::uint64_t first, int count, oracle::Decisions* decisions) {
-  Problem p;
-  for (int k = 0; k < count; ++k) {
-    const Pair pair = random_pair(family, first + k);
-    p.pairs.push_back(pair);
-    p.distance.push_back(oracle::distance(pair.a, pair.b, decisions));
+Problem problem(const std::vector<Pair>& pairs) {
+  Problem p{.pairs = pairs, .distance = {}, .scale = {}, .a = {}, .b = {}, .list = {}};
+  for (int k = 0; k < p.size(); ++k) {
+    const Pair& pair = pairs[k];
+    p.distance.push_back(oracle::distance(pair.a, pair.b));
     p.scale.push_back(scale(pair));
     p.a.push_back(pair.a);
     p.b.push_back(pair.b);
     p.list.push_back({k, k});
   }
   return p;
+}
+
+Problem problem(const RandomFamily& family, std::uint64_t first, int count) {
+  std::vector<Pair> pairs;
+  for (int k = 0; k < count; ++k) pairs.push_back(random_pair(family, first + k));
+  return problem(pairs);
 }
 
 double tolerance_of(const Kernel& kernel) { return kernel.precision == "float" ? 5.4e-6 : 1e-14; }

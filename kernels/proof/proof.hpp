@@ -17,7 +17,8 @@ struct Problem {
   PairList pair_list() const { return {a.view(), b.view(), list}; }
   int size() const { return static_cast<int>(pairs.size()); }
 };
-Problem problem(const RandomFamily& family, std::uint64_t first, int count, oracle::Decisions* decisions = nullptr);
+Problem problem(const std::vector<Pair>& pairs);
+Problem problem(const RandomFamily& family, std::uint64_t first, int count);
 
 /// What a kernel's answers are held to, in S.
 double tolerance_of(const Kernel& kernel);

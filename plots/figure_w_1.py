@@ -1,0 +1,85 @@
+#!/usr/bin/python3
+"""Kernels: time per triangle pair against the error of the distance, with failures in a gutter."""
+import math
+import sys
+from pathlib import Path
+
+import matplotlib
+from figure import GREY, STYLE, Drawn, Figure, command_line, credit, save
+from kernel_points import PEERS, PRECISION_MARKERS, WALL, colour, found, median, nanoseconds, ran
+from records import DRAWN, Point, load_sweep
+
+GUTTER = 10.0  # height at which pairs without a usable answer are drawn
+HEADER = ["family", "kernel", "precision", "lanes", "steps", "state", "median_ns", "min_ns", "max_ns", "error_p50_S",
+          "error_p99_S", "error_max_S", "wrong_share", "wrong_unflagged_share", "fall_back_share", "peak_share",
+          "roofline_share", "record"]
+NOTES = [
+    "A method is worth its time where no other mark lies both left of and below its own.",
+    "Errors of 0 are drawn at 1e-17. The gutter holds methods with answers that are no number, or that failed "
+    "their check. Numbers beside the marks: lanes, or Newton steps of the iterative kernel.",
+]
+
+
+def draw(results: Path, out: Path) -> Drawn:
+    """Reads RESULTS/figure_w_1, writes OUT/figure_w_1.svg, .png and .csv."""
+    sweep = load_sweep(results, "figure_w_1")
+    families = list(dict.fromkeys(point.params["family"] for point in sweep.points))
+    columns = min(len(families), 4)
+    rows = -(-len(families) // columns)
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(3.2 + 3.6 * columns, 1.6 + 3.6 * rows), layout="constrained")
+        panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).flat
+        for axes, family in zip(panels, families):
+            _panel(axes, family, [p for p in sweep.points if p.params["family"] == family])
+        figure.get_layout_engine().set(rect=(0, 0.06, 1 - 1.6 / figure.get_figwidth(), 0.94))
+        _legend(figure)
+        figure.supxlabel("CPU time per triangle pair (ns), one thread")
+        figure.supylabel("99th percentile of |d - d*| / S")
+        figure.text(0.01, 0.01, credit(sweep), fontsize=7, va="bottom")
+        return save(figure, Drawn("figure_w_1", sweep, out, NOTES), HEADER, [_row(point) for point in sweep.points])
+
+
+def _panel(axes, family: str, points: list[Point]) -> None:
+    axes.set(title=family, xscale="log", yscale="log", ylim=(WALL / 3, 10 * GUTTER))
+    axes.axhspan(GUTTER / 4, 10 * GUTTER, color="#f3d9d9", zorder=0)
+    axes.axhline(2.2e-16, color=GREY, linewidth=0.7, linestyle=":")
+    for point in points:
+        if not (point.record and point.record["samples"]):
+            continue
+        error, times = found(point, "error_p99_S"), nanoseconds(point)
+        good = point.state == DRAWN and math.isfinite(error)
+        kernel = point.params["kernel"]
+        middle, height = median(point), max(error, WALL) if good else GUTTER
+        axes.plot(times[::len(times) - 1] if len(times) > 1 else times, [height] * min(len(times), 2), color=colour(kernel))
+        axes.plot(middle, height, PRECISION_MARKERS[ran(point, "precision")], color=colour(kernel),
+                  markerfacecolor=colour(kernel) if found(point, "wrong_share") == 0 else "white")
+        note = {"iterative": ran(point, "steps")}.get(kernel, ran(point, "lanes") if kernel not in PEERS else kernel)
+        axes.annotate(note, (middle, height), xytext=(4, 4), textcoords="offset points", fontsize=7, color=colour(kernel))
+
+
+def _legend(figure) -> None:
+    from matplotlib.lines import Line2D
+    kernels = ("brute", "brute-simd", "hybrid-pair", "hybrid-batch", "iterative", "peers")
+    marks = [Line2D([], [], color=colour(name), marker="s", linestyle="", label=name) for name in kernels]
+    marks += [Line2D([], [], color=GREY, marker=marker, linestyle="", label=name)
+              for name, marker in PRECISION_MARKERS.items()]
+    marks.append(Line2D([], [], color=GREY, marker="o", markerfacecolor="white", linestyle="", label="some answers wrong"))
+    figure.legend(handles=marks, loc="upper right", fontsize=7, ncols=1)
+
+
+def _row(point: Point) -> list:
+    if point.state != DRAWN:
+        return [point.params["family"], point.params["kernel"], point.params.get("precision"), point.params.get("lanes"),
+                point.params.get("steps"), point.state, *[""] * 11, point.id]
+    times, ns = nanoseconds(point), median(point)
+    flops, peak, roofline = (found(point, key) for key in ("flops_per_pair", "peak_flop_s", "roofline_ns_per_pair"))
+    values = [ns, times[0], times[-1], *(found(point, key) for key in (
+        "error_p50_S", "error_p99_S", "error_max_S", "wrong_share", "wrong_unflagged_share", "fall_back_share")),
+        flops / ns * 1e9 / peak, roofline / ns]
+    shown = [f"{value:.6g}" if math.isfinite(value) else "" for value in values]
+    return [point.params["family"], point.params["kernel"], ran(point, "precision"), ran(point, "lanes"),
+            ran(point, "steps"), point.state, *shown, point.id]
+
+
+if __name__ == "__main__":
+    sys.exit(command_line(draw, __doc__))

@@ -1,0 +1,36 @@
+"""What the figures about kernels share: times, names and styles of the points of kernel_bench."""
+import statistics
+
+from figure import COLOURS, GREY
+from records import Point
+
+OURS = ("brute", "brute-simd", "hybrid-pair", "hybrid-batch", "iterative")
+PEERS = ("fcl", "cgal", "bullet", "ode")
+PRECISION_MARKERS = {"double": "o", "float": "^", "mixed": "D"}
+WALL = 1e-17  # errors below are drawn here: the exact distances are rounded to double
+
+
+def nanoseconds(point: Point) -> list[float]:
+    """CPU time (ns) per pair of every sample, sorted. One thread is timed, and other work does not count."""
+    return sorted(1e9 * sample["cpu_s"] / sample["pairs"] for sample in point.record["samples"])
+
+
+def median(point: Point) -> float:
+    """Median of nanoseconds()."""
+    return statistics.median(nanoseconds(point))
+
+
+def colour(name: str) -> str:
+    """Of a kernel; peers are grey."""
+    return COLOURS[OURS.index(name)] if name in OURS else GREY
+
+
+def found(point: Point, key: str) -> float:
+    """A number of the record's "kernel" part; nan where it is null."""
+    value = point.record["kernel"].get(key)
+    return float("nan") if value is None else value
+
+
+def ran(point: Point, key: str):
+    """A parameter as it was run: 0 lanes are as many as fill a register."""
+    return point.record["params"][key]
