@@ -26,6 +26,12 @@ struct Candidates {
   std::vector<int> number_b;        ///< of each triangle of `b` in its mesh
   std::span<const PairIndex> pairs; ///< i in mesh A, j in `b`; ascending in (i, number_b[j])
 
+  void clear() {
+    b.clear();
+    number_b.clear();
+    pairs = {};
+  }
+
   // scratch of the pre-checks
   std::vector<PairIndex> list; ///< holds `pairs`; never shrinks
   std::vector<int> near_a, near_b;

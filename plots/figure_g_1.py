@@ -31,7 +31,8 @@ def draw(results: Path, out: Path) -> Drawn:
         rows = [row for grid, point in points.items() for row in draw_point(axes, grid, point)]
         axes[1].set_yscale("log")
         axes[2].set_yscale("log")
-        axes[0].legend(fontsize=8, title="faint: published", title_fontsize=8)
+        if points:
+            axes[0].legend(fontsize=8, title="faint: published", title_fontsize=8)
         figure.subplots_adjust(left=0.06, right=0.98, top=0.88, bottom=0.22, wspace=0.25)
         header = ["grid", "time_s", "step_s", "compared", "visited_vertices", "wall_so_far_s"]
         return finish(figure, sweep, out, notes(points), (header, rows))

@@ -34,7 +34,8 @@ def draw(results: Path, out: Path) -> Drawn:
             axes[row][0].set_yscale("log")
         for axis in axes[1]:
             axis.set_xlabel("steps")
-        axes[0][0].legend(fontsize=8)
+        if rows:
+            axes[0][0].legend(fontsize=8)
         figure.subplots_adjust(left=0.09, right=0.98, top=0.9, bottom=0.16, wspace=0.08, hspace=0.1)
         header = ["particles", "size_ratio", "gravity_m_s2", "grid", "steps", "compared_per_body", "visited_per_body"]
         return finish(figure, sweep, out, notes(rows), (header, rows))

@@ -33,7 +33,8 @@ def draw(results: Path, out: Path) -> Drawn:
                 axis.plot(*zip(*mine) if mine else ((), ()), linestyle="--" if skin else "-",
                           label=f"{grid}, skin {skin:g}", **look(grid))
             axis.set(xscale="log", yscale="log", xlabel="bodies", ylabel=label)
-        figure.axes[0].legend(fontsize=8)
+        if rows:
+            figure.axes[0].legend(fontsize=8)
         figure.subplots_adjust(left=0.08, right=0.98, top=0.93, bottom=0.13, wspace=0.2, hspace=0.22)
         return finish(figure, sweep, out, notes(rows), (HEADER, [list(row.values()) for row in rows]))
 

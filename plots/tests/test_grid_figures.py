@@ -39,7 +39,7 @@ def sweep(made_up, name: str, axes: dict, fixed: dict, change) -> None:
 def test_two_bodies_ratios_are_of_median_wall_times(made_up):
     factor = {"regular-dense": 60, "regular": 1, "reluctant": 2}
     sweep(made_up, "figure_g_1", {"grid": list(factor)}, {}, lambda params: {
-        "history": history(1), "samples": [{"wall_s": s * factor[params["grid"]], "steps": 6} for s in (1, 5, 2)]})
+        "history": history(1), "samples": [{"wall_s": s * factor[params["grid"]], "steps": 6} for s in (1, 5 + factor[params["grid"]], 2)]})
     drawn = draw("figure_g_1", made_up)
     assert any("regular-dense : reluctant = 30 : 1" in note for note in drawn.notes)
     assert [row["wall_so_far_s"] for row in rows(drawn) if row["grid"] == "regular"] == ["0.5", "1.5", "3"]
