@@ -40,12 +40,11 @@ def draw(results: Path, out: Path) -> Drawn:
 
 
 def three_times(sweep: Sweep, point: Point) -> list[tuple[float, Path, Frame]]:
-    """First, middle and last frame: time (s), file of the cells, bodies. NothingToDraw if they are gone."""
+    """Time (s), cells and bodies of three frames, not the first: the grid is made in the first step. NothingToDraw if gone."""
     folder = sweep.folder / "frames" / point.id
     try:
         grids, bodies = read_frames(folder, "grid.pvd"), read_frames(folder)
-        chosen = dict.fromkeys((0, len(grids) // 2, len(grids) - 1))
-        return [(grids[i][0], grids[i][1], read_frame(*bodies[i])) for i in chosen]
+        return [(time, cells, read_frame(*frame)) for (time, cells), frame in zip(grids[1:4], bodies[1:4])]
     except (OSError, ValueError, KeyError, SyntaxError) as error:
         raise NothingToDraw(f"cannot read the frames ({folder}: {error}). Remove {point.id}.json beside them and run "
                             f"`build/release/bin/sweep run {NAME}` again.") from None

@@ -94,7 +94,7 @@ def test_slices_count_the_cells_that_the_plane_cuts(made_up, there):
         (folder / file).write_text(text)
         if there:
             (folder / f"{listing}.pvd").write_text("<VTKFile><Collection>" + "".join(
-                f'<DataSet timestep="{t}" file="{file}"/>' for t in (0, 0.1, 0.2)) + "</Collection></VTKFile>")
+                f'<DataSet timestep="{t}" file="{file}"/>' for t in (0, 0.1, 0.2, 0.3)) + "</Collection></VTKFile>")
     if there:
         assert [(row["cells"], row["cells_in_slice"]) for row in rows(draw("figure_g_3", made_up))] == [("2", "1")] * 3
     else:
