@@ -92,9 +92,9 @@ template <class T> [[gnu::always_inline]] inline Weights<T> weights_of(const Nea
   const T zero(0), one(1);
   const auto is = [&](int number) { return f.number == T(number); };
   const auto below = [&](int number) { return f.number < T(number); };
-  const auto edges = below(9), corner_b = !below(12), corner_a = !edges & !corner_b;
+  const MaskOf<T> edges = below(9), corner_b = !below(12), corner_a = !edges & !corner_b;
   // which edge of A (0, 1, 2) and of B, where edges
-  const auto a0 = below(3), a1 = below(6) & !a0, b0 = is(0) | is(3) | is(6), b1 = is(1) | is(4) | is(7);
+  const MaskOf<T> a0 = below(3), a1 = below(6) & !a0, b0 = is(0) | is(3) | is(6), b1 = is(1) | is(4) | is(7);
   const auto on_edge_v = [&](const auto& e0, const auto& e1, const T& s) {
     return select(e0, s, select(e1, one - s, zero));
   };
