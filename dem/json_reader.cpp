@@ -111,9 +111,10 @@ void JsonReader::allow(std::initializer_list<std::string_view> keys) const {
   if (!value_->is_object()) refuse_unless("an object with " + listed(keys));
   for (const auto& [key, value] : value_->items()) {
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    const auto nearest = std::min_element(keys.begin(), keys.end(), [&](std::string_view a, std::string_view b) {
-      return edit_distance(key, a) < edit_distance(key, b);
-    });
+    const auto nearest =
+        std::min_element(keys.begin(), keys.end(), [&, &key = key](std::string_view a, std::string_view b) {
+          return edit_distance(key, a) < edit_distance(key, b);
+        });
     const bool near = 2 * edit_distance(key, *nearest) <= static_cast<int>(nearest->size());
     find(key)->refuse("unknown key '" + key + "'",
                       near ? "Did you mean '" + std::string(*nearest) + "'?" : "Known: " + listed(keys) + ".");

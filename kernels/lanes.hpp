@@ -9,7 +9,9 @@
 // GCC 12 warns about its own AVX-512 headers.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"
+#ifndef __clang__
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <experimental/simd>
 #ifdef __AVX512F__
 #include <immintrin.h>
