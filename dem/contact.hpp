@@ -16,6 +16,12 @@ struct Contact {
                                        ///< crossing edges
   Eigen::Vector3d couple{0, 0, 0};     ///< torque of the spring on A about `point` over its stiffness (m2)
   Eigen::Vector3d tangential{0, 0, 0}; ///< stretch of the tangential spring (m), kept from step to step
+  double tangential_stiffness = 0;     ///< of that spring in the last step (N/m)
+  double spring_energy = 0;            ///< of the normal and the tangential spring (J)
+  double released = 0;                 ///< what the tangential spring gave up in this step (J)
+  bool slides = false;                 ///< friction is at its limit
+  bool fast = false;                   ///< so fast that undamped springs cannot stop it before the surfaces cross
+  Eigen::Vector3d elastic{0, 0, 0};    ///< the normal spring's share of `force` (N)
   Eigen::Vector3d force{0, 0, 0};      ///< on A (N); B gets the opposite
   Eigen::Vector3d torque{0, 0, 0};     ///< on A beside that of the force (N m); B gets the opposite
 };

@@ -1,4 +1,5 @@
 #include "dem/contact_step_limit.hpp"
+#include "dem/contact_law.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -25,12 +26,12 @@ struct Coupling {
 
 std::vector<Coupling> couplings(const Particles& p, const ContactParameters& law, std::span<const Contact> contacts) {
   std::vector<Coupling> all;
+  const ContactLaw& row = law_of(law);
   for (const Contact& c : contacts) {
-    const double k = law.stiffness * c.share,
-                 damping = 2 * law.damping_ratio * c.share * std::sqrt(law.stiffness * c.mass);
-    const double ratio = law.friction > 0 ? law.tangential_ratio : 0;
-    all.push_back({c.a, c.b, c.point - p.position[c.a], c.point - p.position[c.b], c.normal, k, ratio * k, damping,
-                   std::sqrt(ratio) * damping});
+    const Spring s = row.spring(law, p, c, c.overlap);
+    const double kt = law.friction > 0 ? s.tangential : 0;
+    all.push_back({c.a, c.b, c.point - p.position[c.a], c.point - p.position[c.b], c.normal, c.share * s.tangent,
+                   c.share * kt, s.damping, std::sqrt(kt / s.tangent) * s.damping});
   }
   return all;
 }
@@ -79,7 +80,7 @@ double contact_step_limit(const Particles& p, const ContactParameters& law, std:
     k /= m, c /= m;
     const double last = step;
     step = 4 / (c + std::sqrt(c * c + 4 * k)); // h^2 k + 2 h c = 4
-    if (round > 10 && std::abs(step - last) < 1e-5 * step) break;
+    if (round > 10 && std::abs(step - last) < 1e-6 * step) break;
   }
   return step;
 }

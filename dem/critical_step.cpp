@@ -1,4 +1,5 @@
 #include "dem/critical_step.hpp"
+#include "dem/hertz.hpp"
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -70,7 +71,7 @@ double critical_step(const Scene& scene) {
   if (first == 0) return std::numeric_limits<double>::infinity();
   // The published rules' dashpots belong to the bodies' masses; on an effective mass t times smaller they damp sqrt(t)
   // times more.
-  const double w = std::sqrt(scene.contact.stiffness * (first + second));
+  const double w = std::sqrt(largest_stiffness(scene) * (first + second));
   const double zeta = std::sqrt(most) * scene.contact.damping_ratio;
   return 2 / w * (std::sqrt(1 + zeta * zeta) - zeta);
 }

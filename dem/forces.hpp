@@ -10,17 +10,25 @@ namespace trigrain {
 /// (a, b, feature_a, feature_b).
 void carry_springs(std::span<const Contact> last, std::span<Contact> contacts);
 
-/// Spring-dashpot with Coulomb friction (Cundall & Strack 1979): normal force
-/// max(0, k overlap + 2 zeta sqrt(k m) v_n) with the contact's `mass`, never attractive; tangential spring and dashpot
-/// of `tangential_ratio` times the normal ones, capped at mu times the normal force. Sets `force` and `torque` and
-/// moves `tangential` on by step_s (s).
+/// Normal force max(0, spring + dashpot) of the contact law, never attractive; tangential spring and dashpot, capped at
+/// mu times the normal force. Sets `force` and `torque`, what the springs hold, and moves `tangential` on by step_s
+/// (s).
 void contact_forces(const Particles& particles, const ContactParameters& law, double step_s,
                     std::span<Contact> contacts);
 
 /// Adds the force of a contact to the loads of one of its bodies.
 void add_contact_load(const Particles& particles, const Contact& contact, bool to_a, Loads& loads);
 
+/// A contact that its springs cannot stop before the surfaces cross.
+struct FastContact {
+  double time = 0; ///< s
+  int a = -1, b = -1;
+  double speed = 0, limit = 0; ///< of approach; the fastest that undamped springs stop from here (m/s)
+};
+FastContact fast_contact(const Particles& particles, const ContactParameters& law, const Contact& contact,
+                         double time_s);
+
 /// What the springs hold (J).
-double elastic_energy(const ContactParameters& law, std::span<const Contact> contacts);
+double elastic_energy(std::span<const Contact> contacts);
 
 } // namespace trigrain

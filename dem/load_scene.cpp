@@ -1,3 +1,4 @@
+#include "dem/hertz.hpp"
 #include "dem/json_reader.hpp"
 #include "dem/scene.hpp"
 #include "kernels/name_table.hpp"
@@ -135,21 +136,34 @@ Domain read_domain(const JsonReader& r) {
 }
 
 ContactParameters read_contact(const JsonReader& r) {
-  r.allow({"law", "stiffness_N_m", "damping_ratio", "friction", "tangential_ratio"});
+  r.allow({"law", "stiffness_N_m", "damping_ratio", "restitution", "friction", "tangential_ratio", "youngs_modulus_Pa",
+           "poisson_ratio"});
   ContactParameters contact;
-  if (const auto v = r.find("law")) contact.law = v->one_of({"spring-dashpot"});
+  if (const auto v = r.find("law")) contact.law = v->one_of({"spring-dashpot", "hertz-mindlin"});
   if (const auto v = r.find("stiffness_N_m")) contact.stiffness = v->positive();
   if (const auto v = r.find("damping_ratio")) contact.damping_ratio = v->not_negative();
+  if (const auto v = r.find("restitution")) {
+    const double e = v->positive();
+    if (e > 1) v->refuse("a restitution is at most 1", "Give 0 < e <= 1.");
+    if (r.find("damping_ratio")) v->refuse("restitution and damping_ratio say the same", "Give one of them.");
+    contact.damping_ratio = damping_ratio_for(contact.law, e);
+  }
+  if (const auto v = r.find("youngs_modulus_Pa")) contact.youngs_modulus = v->positive();
+  if (const auto v = r.find("poisson_ratio")) {
+    contact.poisson_ratio = v->not_negative();
+    if (contact.poisson_ratio > .5) v->refuse("a Poisson ratio is at most 0.5", "Give 0 to 0.5.");
+  }
   if (const auto v = r.find("friction")) contact.friction = v->not_negative();
   if (const auto v = r.find("tangential_ratio")) contact.tangential_ratio = v->not_negative();
   return contact;
 }
 
 TimeParameters read_time(const JsonReader& r) {
-  r.allow({"step_s", "end_s", "control"});
+  r.allow({"step_s", "end_s", "control", "force"});
   TimeParameters time;
   if (const auto v = r.find("step_s")) time.step = v->positive();
   if (const auto v = r.find("end_s")) time.end = v->positive();
+  if (const auto v = r.find("force")) time.force = v->flag();
   if (const auto v = r.find("control")) time.control = v->one_of({"fixed", "approach", "gap-only"});
   if (time.step > time.end)
     r.refuse("the step of " + std::to_string(time.step) + " s is longer than the " + std::to_string(time.end) +

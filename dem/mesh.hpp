@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,7 +26,9 @@ struct Mesh {
   Eigen::Vector3d inertia{0, 0, 0};      ///< principal moments at density 1 (m5)
   Eigen::Vector3d origin{0, 0, 0};       ///< centre of mass in the shape's own frame (m)
   Eigen::Quaterniond axes{1, 0, 0, 0};   ///< x_shape = origin + axes * x_body
-  double radius = 0;                     ///< of the bounding sphere about the body frame's origin (m)
+  double curvature_radius =              ///< of the smooth surface that the mesh stands for (m); infinite if flat
+      std::numeric_limits<double>::infinity();
+  double radius = 0; ///< of the bounding sphere about the body frame's origin (m)
 };
 
 /// Finishes a mesh from vertices and faces in the shape's own frame (m): merges equal vertices, numbers the connected

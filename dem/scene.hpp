@@ -23,18 +23,21 @@ struct Body {
   bool fixed = false;                         ///< never moves
 };
 
-/// Contact law between all bodies (METHODS: spring-dashpot with Coulomb friction).
+/// Contact law between all bodies, with Coulomb friction.
 struct ContactParameters {
-  std::string law = "spring-dashpot";
-  double stiffness = 1e3;            ///< N/m, normal spring of one contact point
-  double damping_ratio = 0.5;        ///< zeta, of critical damping
-  double friction = 0.5;             ///< Coulomb coefficient mu
-  double tangential_ratio = 2. / 7.; ///< tangential over normal stiffness
+  std::string law = "spring-dashpot"; ///< a row of contact_laws()
+  double stiffness = 1e3;             ///< N/m, normal spring of one contact point (spring-dashpot)
+  double damping_ratio = 0.5;         ///< zeta, of critical damping
+  double friction = 0.5;              ///< Coulomb coefficient mu
+  double tangential_ratio = 2. / 7.;  ///< tangential over normal stiffness (spring-dashpot)
+  double youngs_modulus = 1e7;        ///< Pa (hertz-mindlin)
+  double poisson_ratio = .3;          ///< (hertz-mindlin)
 };
 
 struct TimeParameters {
   double step = 1e-5;            ///< s; what a contact needs, and with control "fixed" every step
   double end = 1;                ///< s
+  bool force = false;            ///< run although `step` is longer than what the contacts allow
   std::string control = "fixed"; ///< how the step changes: a row of step_controls()
 };
 

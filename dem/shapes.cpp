@@ -116,7 +116,9 @@ Mesh icosphere(double radius, int level) {
     faces = std::move(finer);
   }
   for (Vector3d& p : points) p *= radius;
-  return make_mesh("icosphere", std::move(points), std::move(faces));
+  Mesh mesh = make_mesh("icosphere", std::move(points), std::move(faces));
+  mesh.curvature_radius = radius;
+  return mesh;
 }
 
 Mesh granulate(double diameter, int points, std::uint64_t seed) {

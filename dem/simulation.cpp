@@ -1,5 +1,7 @@
 #include "dem/simulation.hpp"
+#include "dem/contact_law.hpp"
 #include "dem/contact_list.hpp"
+#include "dem/contact_step_limit.hpp"
 #include "dem/critical_step.hpp"
 #include "dem/forces.hpp"
 #include "dem/motion.hpp"
@@ -58,8 +60,15 @@ struct Simulation::State {
   Layers layers;
   std::vector<TaskPool> pools;
   ContactList contacts;
-  Loads loads, next_loads; // next_loads: what add_load() gathered for the next step
-  bool has_next_loads = false;
+  Loads loads, next_loads, outside; // next_loads: what add_load() gathered for the next step; outside: of this step
+  MiddleMotion motion;              // of the last kick
+  std::vector<ContactWork> work;    // of each contact in the last kick
+  Budget budget;
+  double tangential_energy = 0, pending = 0; // J, of the last step's tangential springs; of the second half of its kick
+  Momentum start_momentum;
+  FastContact first_fast;
+  std::int64_t contact_steps = 0;
+  bool has_next_loads = false, pushed = false; // pushed: there was something from outside in the last step
   double time = 0;
   StepLength step; // s
 
@@ -73,16 +82,18 @@ struct Simulation::State {
                     : make_pair_source({options.grid, options.subdivision, options.skin}, scene.domain, particles)),
         team(runtime_for(options, scheme), threads_of(options)) {
     const int n = particles.size();
-    const double largest_step = critical_step(scene);
+    require_law_fits(scene);
+    const double largest_step = scene.time.force ? std::numeric_limits<double>::infinity() : critical_step(scene);
     if (!(scene.time.step > 0) || scene.time.step > largest_step)
       throw InputError("the time step of " + number(scene.time.step) + " s is not between 0 and the critical step of " +
                        number(largest_step) + " s of its contacts (" + scene.name +
-                       ": time.step_s). Take a smaller step or a softer contact.");
+                       ": time.step_s). Take a smaller step or a softer contact, or set time.force.");
     step = scene.time.step;
+    start_momentum = momentum_of(particles);
     buffers.resize(team.threads());
     pools = std::vector<TaskPool>(team.threads() + 1);
     layers = layers_named(options.layers == "default" ? scheme.layers : options.layers);
-    for (Loads* l : {&loads, &next_loads}) {
+    for (Loads* l : {&loads, &next_loads, &outside}) {
       l->force.assign(n, Eigen::Vector3d::Zero());
       l->torque.assign(n, Eigen::Vector3d::Zero());
     }
@@ -106,7 +117,9 @@ struct Simulation::State {
   void update_grid(StepStats& stats);
   void detect(StepStats& stats);
   void merge(StepStats& stats);
-  void forces();
+  void forces(StepStats& stats);
+  void settle_budget();
+  void watch(StepStats& stats);
   void integrate();
 };
 
@@ -133,14 +146,18 @@ void Simulation::State::merge(StepStats& stats) {
   stats.contacts += static_cast<std::int64_t>(contacts.contacts().size());
 }
 
-void Simulation::State::forces() {
+void Simulation::State::forces(StepStats& stats) {
   team.parallel_for(contacts.pairs(), grain, [&](int begin, int end, int) {
     for (int pair = begin; pair < end; ++pair) {
       carry_springs(contacts.last_of_pair(pair), contacts.of_pair(pair));
       contact_forces(particles, scene.contact, step.now, contacts.of_pair(pair));
     }
   });
-  if (has_next_loads) std::swap(loads, next_loads);
+  pushed = has_next_loads;
+  if (has_next_loads) {
+    std::swap(loads, next_loads);
+    outside = loads;
+  }
   Loads& old = has_next_loads ? next_loads : loads; // what was added from outside stays
   team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
     std::fill(old.force.begin() + begin, old.force.begin() + end, Eigen::Vector3d::Zero());
@@ -150,6 +167,49 @@ void Simulation::State::forces() {
         contacts.for_body(body, [&](const Contact& c, bool is_a) { add_contact_load(particles, c, is_a, loads); });
   });
   has_next_loads = false;
+  settle_budget();
+  watch(stats);
+}
+
+/// Books what the kick to come dissipates, and its impulse.
+void Simulation::State::settle_budget() {
+  const std::span<const Contact> all = contacts.contacts();
+  motion.resize(particles.size());
+  work.resize(all.size());
+  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
+    motion.update(particles, loads, scene.gravity, step.kick(), begin, end);
+  });
+  team.parallel_for(static_cast<int>(all.size()), grain, [&](int begin, int end, int) {
+    for (int c = begin; c < end; ++c) work[c] = work_of(all[c], particles, motion, step.kick());
+  });
+  double held = 0, released = 0;
+  pending = 0;
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    budget.damping += work[c].damping;
+    budget.friction += work[c].friction;
+    pending += work[c].pending;
+    released += all[c].released;
+    held += all[c].tangential_stiffness / 2 * all[c].tangential.squaredNorm();
+    add_wall_impulse(particles, all[c], step.kick(), budget);
+  }
+  budget.friction += tangential_energy - held - released; // springs whose contacts ended
+  tangential_energy = held;
+  add_weight_impulse(particles, scene.gravity, step.kick(), budget);
+  if (!pushed) return;
+  budget.outside += work_of(outside, motion, step.kick());
+  add_impulse(particles, outside, step.kick(), budget);
+}
+
+/// Looks for contacts that will not be stopped, and now and then for a step that is too long for the contacts.
+void Simulation::State::watch(StepStats& stats) {
+  constexpr int rarely = 256; // steps: costs as much as tens of steps' forces
+  for (const Contact& c : contacts.contacts()) {
+    if (!c.fast) continue;
+    ++stats.fast_contacts;
+    if (first_fast.a < 0) first_fast = fast_contact(particles, scene.contact, c, time);
+  }
+  if (contacts.contacts().empty() || contact_steps++ % rarely != 0) return;
+  stats.unstable_steps += step.now > trigrain::contact_step_limit(particles, scene.contact, contacts.contacts());
 }
 
 void Simulation::State::integrate() {
@@ -186,7 +246,7 @@ StepStats Simulation::step() {
   }
   {
     const PhaseScope scope(stats, Phase::forces, s.team, s.options.observer);
-    s.forces();
+    s.forces(stats);
   }
   {
     const PhaseScope scope(stats, Phase::integrate, s.team, s.options.observer);
@@ -214,7 +274,24 @@ Energy Simulation::energy() const {
   const Particles p = s.time > 0 ? centred(s.particles, s.loads, s.scene.gravity, s.step.now) : s.particles;
   return {.kinetic = kinetic_energy(p),
           .potential = potential_energy(p, s.scene.gravity),
-          .elastic = elastic_energy(s.scene.contact, s.contacts.contacts())};
+          .elastic = elastic_energy(s.contacts.contacts()),
+          .damping = s.budget.damping - s.pending,
+          .friction = s.budget.friction,
+          .outside = s.budget.outside - (s.pushed ? work_of(s.outside, s.motion, s.step.kick()) / 2 : 0)};
+}
+
+Momentum Simulation::momentum() const { return momentum_of(state_->particles); }
+
+Momentum Simulation::momentum_error() const {
+  const State& s = *state_;
+  const Momentum now = momentum();
+  return {now.linear - s.start_momentum.linear - s.budget.impulse,
+          now.angular - s.start_momentum.angular - s.budget.angular_impulse};
+}
+
+const FastContact& Simulation::first_fast_contact() const { return state_->first_fast; }
+double Simulation::contact_step_limit() const {
+  return trigrain::contact_step_limit(state_->particles, state_->scene.contact, state_->contacts.contacts());
 }
 
 /// FNV-1a over 8-byte words.
@@ -253,6 +330,8 @@ StepStats& StepStats::operator+=(const StepStats& other) {
   newton_steps += other.newton_steps;
   fall_backs += other.fall_backs;
   contacts += other.contacts;
+  fast_contacts += other.fast_contacts;
+  unstable_steps += other.unstable_steps;
   crossings += other.crossings;
   visited_vertices += other.visited_vertices;
   virtual_copies += other.virtual_copies;

@@ -1,5 +1,7 @@
 #pragma once
+#include "dem/budget.hpp"
 #include "dem/contact.hpp"
+#include "dem/forces.hpp"
 #include "dem/pair_source.hpp"
 #include "dem/particles.hpp"
 #include "dem/scene.hpp"
@@ -25,10 +27,14 @@ struct Options {
   const PhaseObserver* observer = nullptr; ///< told of every piece of work; outlives the simulation
 };
 
-/// Mechanical energy (J); elastic is what the contact springs hold.
+/// Mechanical energy (J); elastic is what the contact springs hold. The last three are sums since the start.
 struct Energy {
   double kinetic = 0, potential = 0, elastic = 0;
+  double damping = 0, friction = 0; ///< dissipated by dashpots, and by sliding and springs that were lost
+  double outside = 0;               ///< work of loads from outside
   double total() const { return kinetic + potential + elastic; }
+  /// total() and what has left it, less what has entered: constant, were the step infinitely short.
+  double balance() const { return total() + damping + friction - outside; }
 };
 
 /// The engine: bodies, grid, contacts and time. Valid once constructed; nothing global.
@@ -50,10 +56,14 @@ class Simulation {
   const Options& options() const;
   const Particles& particles() const;
   const PairSource& pair_source() const;
-  const std::vector<Contact>& contacts() const; ///< of the last step, sorted
-  double time() const;                          ///< s
-  double step_size() const;                     ///< of the last step (s)
-  Energy energy() const;                        ///< at the middle of the last step (see centred())
+  const std::vector<Contact>& contacts() const;  ///< of the last step, sorted
+  double time() const;                           ///< s
+  double step_size() const;                      ///< of the last step (s)
+  Energy energy() const;                         ///< at the middle of the last step (see centred())
+  Momentum momentum() const;                     ///< of all bodies
+  Momentum momentum_error() const;               ///< momentum less what it was at the start and all impulses since
+  const FastContact& first_fast_contact() const; ///< time 0, a -1 if there was none; StepStats counts them
+  double contact_step_limit() const;             ///< largest stable step with the last step's contacts (s)
   /// 64 bits that differ when any bit of any position, orientation, velocity or angular momentum does.
   std::uint64_t state_hash() const;
   /// Force (N) and torque (N m) on a body during the next step only, beside gravity and contacts.

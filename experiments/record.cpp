@@ -1,5 +1,7 @@
 #include "experiments/record.hpp"
 #include "experiments/build_info.hpp"
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -61,7 +63,7 @@ Json sample_json(const Sample& sample) {
 }
 
 Json counts_json(const StepStats& stats) {
-  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 15 * sizeof(std::int64_t),
+  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 17 * sizeof(std::int64_t),
                 "a count is missing below");
   return {{"steps", stats.steps},
           {"candidate_pairs", stats.candidate_pairs},
@@ -70,6 +72,8 @@ Json counts_json(const StepStats& stats) {
           {"newton_steps", stats.newton_steps},
           {"fall_backs", stats.fall_backs},
           {"contacts", stats.contacts},
+          {"fast_contacts", stats.fast_contacts},
+          {"unstable_steps", stats.unstable_steps},
           {"crossings", stats.crossings},
           {"visited_vertices", stats.visited_vertices},
           {"virtual_copies", stats.virtual_copies},
@@ -81,7 +85,22 @@ Json counts_json(const StepStats& stats) {
 }
 
 Json energy_json(const Energy& energy) {
-  return {{"kinetic", energy.kinetic}, {"potential", energy.potential}, {"elastic", energy.elastic}};
+  return {{"kinetic", energy.kinetic}, {"potential", energy.potential}, {"elastic", energy.elastic},
+          {"damping", energy.damping}, {"friction", energy.friction},   {"outside", energy.outside}};
+}
+
+Json array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// What the run has lost or gained against its own books; null before the first sample.
+Json accuracy_json(const Sample& sample) {
+  const Energy &first = sample.initial, &last = sample.final;
+  const double turned_over = std::max({first.kinetic, last.kinetic, std::abs(last.potential - first.potential),
+                                       last.elastic, last.damping + last.friction - first.damping - first.friction});
+  const double drift = last.balance() - first.balance();
+  return {{"energy_drift_J", drift},
+          {"energy_drift_relative", turned_over > 0 ? Json(drift / turned_over) : Json(nullptr)},
+          {"momentum_error_kg_m_s", array_of(sample.momentum_error.linear)},
+          {"angular_momentum_error_kg_m2_s", array_of(sample.momentum_error.angular)}};
 }
 
 Json hash_json(std::uint64_t hash) {
@@ -122,6 +141,7 @@ Json make_record(const PointResult& point, const std::string& point_id) {
            last ? Json{{"initial", energy_json(last->initial)}, {"final", energy_json(last->final)}} : Json(nullptr)},
           {"history", last && last->history ? last->history->to_json() : Json(nullptr)},
           {"heap_bytes", last ? or_null(last->heap_bytes) : Json(nullptr)},
+          {"accuracy", last ? accuracy_json(*last) : Json(nullptr)},
           {"state_hash", last ? hash_json(last->state_hash) : Json(nullptr)},
           {"counters", point.counters},
           {"warnings", point.warnings}};

@@ -11,6 +11,7 @@
 #include <ctime>
 #include <limits>
 #include <set>
+#include <sstream>
 
 namespace trigrain {
 namespace {
@@ -70,6 +71,8 @@ class Sampler {
       frames->write(simulation.particles(), simulation.pair_source().tree(), point_.start_time + simulation.time());
     if (heap_before && !sample.history && !frames && !traced()) sample.heap_bytes = *heap_in_use() - *heap_before;
     sample.final = simulation.energy();
+    sample.momentum_error = simulation.momentum_error();
+    sample.first_fast = simulation.first_fast_contact();
     sample.state_hash = simulation.state_hash();
     sample.state = check_state(simulation.particles());
     sample.bodies_outside = bodies_outside(simulation.particles(), point_.scene.domain);
@@ -139,6 +142,26 @@ CheckItem check_crossings(const Sample& sample) {
               "stop. Keep (halo_m of both) sqrt(stiffness_N_m / mass) above their speed"};
 }
 
+/// Springs between several bodies are stiffer than any one contact, which the engine looks at before it starts.
+CheckItem check_step(const Sample& sample, bool forced) {
+  const std::int64_t unstable = sample.stats.unstable_steps;
+  if (unstable == 0) return {"step", true, "no step was found longer than its contacts allow"};
+  return {"step", forced,
+          std::to_string(unstable) +
+              " of the steps looked at (one in 256) were longer than their contacts together "
+              "allow" +
+              (forced ? "; time.force was set" : ". Take a smaller step")};
+}
+
+std::string warning_of(const FastContact& fast, std::int64_t count, double start_time) {
+  std::ostringstream text;
+  text.precision(3);
+  text << "bodies " << fast.a << " and " << fast.b << " met at t = " << start_time + fast.time << " s with "
+       << fast.speed << " m/s, more than the " << fast.limit << " m/s that undamped springs within their halos stop; "
+       << count << " such contacts in all steps";
+  return text.str();
+}
+
 /// The scene as it is when the clock starts.
 Scene warmed_up(const Scene& scene, const BenchRequest& request) {
   if (request.warmup == 0) return scene;
@@ -203,6 +226,10 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
       point.trace = trace.chrome_json({{"params", point.params}, {"moving_bodies", moving}, {"steps", trace.steps()}});
       point.warnings.push_back("work was traced: up to 2 % slower");
     }
+    const Sample& last = point.samples.back();
+    point.check.how.push_back(check_step(last, point.scene.time.force));
+    if (last.stats.fast_contacts > 0)
+      point.warnings.push_back(warning_of(last.first_fast, last.stats.fast_contacts, point.start_time));
     if (const int outside = point.samples.back().bodies_outside)
       point.warnings.push_back(std::to_string(outside) + " bodies ended outside of the domain");
   }

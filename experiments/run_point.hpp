@@ -18,6 +18,8 @@ struct Sample {
   StepStats stats;
   std::optional<double> load_average; ///< when it ended
   Energy initial, final;
+  Momentum momentum_error;
+  FastContact first_fast;
   std::uint64_t state_hash = 0; ///< of its last state
   CheckItem state;              ///< that state is finite
   int bodies_outside = 0;

@@ -71,7 +71,7 @@ void Probe::evaluate() {
     for (const bool to_a : {true, false}) add_contact_load(particles_, c, to_a, loads);
   force = loads.force[1];
   torque = loads.torque[1];
-  energy = elastic_energy(law_, contacts);
+  energy = elastic_energy(contacts);
 }
 
 } // namespace trigrain

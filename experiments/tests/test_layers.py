@@ -10,20 +10,23 @@ ROOT = Path(__file__).resolve().parents[2]
 LAYERS = {"kernels": {"kernels"}, "dem": {"kernels", "dem"}, "experiments": {"kernels", "dem", "experiments"}}
 
 # Parts of dem, each of one or more files, and the parts they may see beside themselves.
-PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "shape_file", "shape_features"}, "scene": {"scene", "scenes", "load_scene", "critical_step"},
+PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "shape_file", "shape_features"}, "scene": {"scene", "scenes", "load_scene", "critical_step", "hertz"},
          "particles": {"particles"}, "grid": {"grid", "grid_kind", "grid_pairs", "grid_projection", "spacetree", "dense_grid", "pair_source", "sphere_array",
                   "verlet_list"}, "contact": {"contact"},
          "contact_rule": {"contact_rule", "feature_contacts"}, "narrow_phase": {"narrow_phase"}, "runtime": {"runtime"}, "contact_list": {"contact_list"},
          "scheme": {"scheme"}, "forces": {"forces"}, "motion": {"motion"}, "step_stats": {"step_stats"},
          "simulation": {"simulation"}, "random": {"random"}, "step_size": {"step_size"}, "loads": {"loads"},
-         "phase_observer": {"phase_observer"}, "contact_step_limit": {"contact_step_limit"}, "json_reader": {"json_reader"}}
+         "phase_observer": {"phase_observer"}, "contact_step_limit": {"contact_step_limit"}, "contact_law": {"contact_law"},
+         "budget": {"budget"}, "json_reader": {"json_reader"}}
 BASE = {"mesh": {"random"}, "scene": {"mesh", "random", "json_reader"}, "particles": {"scene", "mesh"}, "random": set(),
         "json_reader": set(), "loads": set(), "step_stats": set(), "phase_observer": {"step_stats"}, "runtime": {"phase_observer", "step_stats"}}
 MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime", "step_stats"}, "contact": set(), "contact_rule": {"contact", "particles", "mesh"},
                   "narrow_phase": {"contact_rule", "contact", "grid", "particles", "mesh"},
                   "scheme": {"narrow_phase", "grid", "particles", "runtime"},
                   "contact_list": {"contact", "narrow_phase", "particles", "runtime"},
-                  "forces": {"particles", "contact", "scene", "loads"}, "contact_step_limit": {"particles", "contact", "scene"}, "motion": {"particles", "contact", "scene", "loads"},
+                  "forces": {"particles", "contact", "scene", "loads", "contact_law"}, "contact_law": {"particles", "contact", "scene", "mesh"},
+                  "budget": {"particles", "contact", "loads"}, "contact_step_limit": {"particles", "contact", "scene", "contact_law"},
+                  "motion": {"particles", "contact", "scene", "loads"},
                   "step_size": {"grid", "particles", "loads"},
                   "simulation": set(PARTS) - {"simulation"}}
 

@@ -1,0 +1,74 @@
+#include "dem/budget.hpp"
+
+namespace trigrain {
+
+using Eigen::Vector3d;
+
+Momentum momentum_of(const Particles& p) {
+  Momentum sum;
+  for (int i = 0; i < p.size(); ++i) {
+    sum.linear += p.mass[i] * p.velocity[i];
+    sum.angular += p.mass[i] * p.position[i].cross(p.velocity[i]) + p.angular_momentum[i];
+  }
+  return sum;
+}
+
+void MiddleMotion::resize(int bodies) {
+  velocity.resize(bodies, Vector3d::Zero());
+  angular_velocity.resize(bodies, Vector3d::Zero());
+}
+
+void MiddleMotion::update(const Particles& p, const Loads& loads, const Vector3d& gravity, double kick_s, int begin,
+                          int end) {
+  for (int i = begin; i < end; ++i) {
+    if (p.fixed(i)) continue;
+    velocity[i] = p.velocity[i] + kick_s / 2 * (gravity + p.inverse_mass[i] * loads.force[i]);
+    const Eigen::Quaterniond& q = p.orientation[i];
+    const Vector3d momentum = p.angular_momentum[i] + kick_s / 2 * loads.torque[i];
+    angular_velocity[i] = q * (q.conjugate() * momentum).cwiseQuotient(p.inertia[i]);
+  }
+}
+
+ContactWork work_of(const Contact& c, const Particles& p, const MiddleMotion& motion, double kick_s) {
+  const Vector3d relative = motion.velocity[c.a] + motion.angular_velocity[c.a].cross(c.point - p.position[c.a]) -
+                            motion.velocity[c.b] - motion.angular_velocity[c.b].cross(c.point - p.position[c.b]);
+  const Vector3d other = c.force - c.elastic; // dashpots and the tangential spring
+  const double normal = -kick_s * other.dot(c.normal) * relative.dot(c.normal);
+  const double tangential = -kick_s * (other - other.dot(c.normal) * c.normal).dot(relative);
+  const double dissipated = tangential + c.released;
+  return {.damping = normal + (c.slides ? 0 : dissipated),
+          .friction = c.slides ? dissipated : 0,
+          .pending = (normal + tangential) / 2};
+}
+
+void add_weight_impulse(const Particles& p, const Vector3d& gravity, double kick_s, Budget& budget) {
+  for (int i = 0; i < p.size(); ++i) {
+    const Vector3d impulse = kick_s * p.mass[i] * gravity; // fixed bodies have mass 0
+    budget.impulse += impulse;
+    budget.angular_impulse += p.position[i].cross(impulse);
+  }
+}
+
+void add_wall_impulse(const Particles& p, const Contact& c, double kick_s, Budget& budget) {
+  if (!p.fixed(c.a) && !p.fixed(c.b)) return; // what one loses the other gets
+  const double sign = p.fixed(c.b) ? kick_s : -kick_s;
+  budget.impulse += sign * c.force;
+  budget.angular_impulse += sign * (c.point.cross(c.force) + c.torque);
+}
+
+void add_impulse(const Particles& p, const Loads& outside, double kick_s, Budget& budget) {
+  for (int i = 0; i < p.size(); ++i) {
+    if (p.fixed(i)) continue;
+    budget.impulse += kick_s * outside.force[i];
+    budget.angular_impulse += kick_s * (p.position[i].cross(outside.force[i]) + outside.torque[i]);
+  }
+}
+
+double work_of(const Loads& outside, const MiddleMotion& motion, double kick_s) {
+  double sum = 0;
+  for (std::size_t i = 0; i < outside.force.size(); ++i)
+    sum += outside.force[i].dot(motion.velocity[i]) + outside.torque[i].dot(motion.angular_velocity[i]);
+  return kick_s * sum;
+}
+
+} // namespace trigrain
