@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   app.add_option("--study", name)->required();
   app.add_option("--contact-rule", r.contact_rule);
   app.add_option("--value", r.value);
+  app.add_option("--level", r.level);
   app.add_option("--steps-per-contact", r.steps_per_contact);
   CLI11_PARSE(app, argc, argv);
   for (const Metric& m : row_named(studies(), "study", name).run(r))

@@ -188,6 +188,60 @@ TEST(Simulation, ElasticImpactsConserveMomentumAndEnergyAndDampedOnesLoseEnergy)
   }
 }
 
+TEST(Simulation, TheBooksOfEnergyAndMomentumBalance) {
+  Simulation sim(tilted_cube(), {});
+  const double start = sim.energy().balance();
+  while (sim.time() < .5) {
+    if (sim.time() > .2 && sim.time() < .21) sim.add_load(1, {3, 1, 0}, {0, .02, .01});
+    sim.step();
+  }
+  const Energy e = sim.energy();
+  EXPECT_GT(e.damping, .1);
+  EXPECT_GT(e.friction, .001);
+  EXPECT_GT(e.outside, 1e-4);
+  EXPECT_NEAR(e.balance(), start, 2e-3 * (e.damping + e.friction));
+  EXPECT_LT(sim.momentum_error().linear.norm(), 1e-11);
+  EXPECT_LT(sim.momentum_error().angular.norm(), 1e-11);
+}
+
+TEST(Simulation, ContactsTooFastForTheirSpringsAreReported) {
+  for (const double share : {.9, 1.1}) { // of the halo's response limit
+    Scene scene = tilted_cube();
+    scene.gravity = {0, 0, 0};
+    scene.contact.damping_ratio = 0;
+    Body ball;
+    ball.sphere_radius = .05;
+    ball.density = 1 / (4. / 3. * 3.14159265358979 * 1.25e-4);
+    ball.halo = 1e-3;
+    ball.position = {0, .06, 0};
+    ball.velocity = {0, -share * 2e-3 * std::sqrt(scene.contact.stiffness), 0};
+    scene.bodies[1] = ball;
+    Simulation sim(scene, {});
+    const StepStats stats = sim.run(1000);
+    EXPECT_EQ(stats.fast_contacts > 0, share > 1);
+    EXPECT_EQ(stats.crossings > 0, share > 1);
+    EXPECT_EQ(sim.first_fast_contact().b, share > 1 ? 1 : -1);
+    if (share > 1) {
+      EXPECT_NEAR(sim.first_fast_contact().limit, 2e-3 * std::sqrt(scene.contact.stiffness), .1);
+      EXPECT_NEAR(sim.first_fast_contact().time, .0064 / sim.first_fast_contact().speed, 5e-3);
+    }
+  }
+}
+
+TEST(Simulation, AStepThatIsTooLongIsRefusedUnlessForcedAndThenCounted) {
+  Scene scene = tilted_cube();
+  scene.time.step = 2 * critical_step(scene);
+  EXPECT_THROW(Simulation(scene, {}), InputError);
+  scene.time.force = true;
+  Simulation sim(scene, {});
+  EXPECT_GT(sim.run(3000).unstable_steps, 0);
+  Simulation calm(tilted_cube(), {});
+  EXPECT_EQ(calm.run(20000).unstable_steps, 0);
+  // A cube on its four corners rocks with 6 k / m; dashpots have the ratio asked for of its heave, 4 k / m.
+  const double k = scene.contact.stiffness;
+  EXPECT_NEAR(calm.contact_step_limit() * std::sqrt(6 * k), 2 * (std::sqrt(1 + .25) - .5), .5);
+}
+
 TEST(Simulation, TheCriticalStepOfACubeIsThatOfItsFace) {
   // On its four corners a cube rocks with 6 k / m: four times (a / 2)^2 k over m a^2 / 6. One corner alone has at most
   // 5.5 k / m.

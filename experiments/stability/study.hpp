@@ -22,6 +22,7 @@ struct StudyRequest {
   std::string contact_rule = "features";
   std::string law = "spring-dashpot";
   std::string control = "fixed";
+  int level = -1;                  ///< cuts of an icosphere that stands for a ball; -1: a true sphere
   double value = 1;                ///< the quantity that the study varies; its row says which
   double steps_per_contact = 50.3; ///< N; a whole number would always meet the contact at the same phase
   std::uint64_t seed = 1;
