@@ -1,4 +1,5 @@
 #include "experiments/machine.hpp"
+#include <ctime>
 #include "dem/runtime.hpp"
 #include "kernels/name_table.hpp"
 #include <algorithm>
@@ -164,6 +165,15 @@ std::optional<double> load_average() {
   double load = 0;
   if (getloadavg(&load, 1) != 1) return std::nullopt;
   return load;
+}
+
+std::string utc_now() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
 }
 
 } // namespace trigrain

@@ -39,4 +39,7 @@ class UsageMeter {
 /// Runnable processes, average of the last minute; none if the system does not say.
 std::optional<double> load_average();
 
+/// The time, as in 2018-01-15T12:00:00Z.
+std::string utc_now();
+
 } // namespace trigrain

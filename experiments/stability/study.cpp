@@ -1,6 +1,8 @@
 #include "experiments/stability/study.hpp"
 #include "experiments/stability/closed_forms.hpp"
+#include "experiments/stability/discharge.hpp"
 #include "experiments/stability/impacts.hpp"
+#include "experiments/stability/limits.hpp"
 #include "experiments/stability/rules.hpp"
 #include <cmath>
 
@@ -24,6 +26,16 @@ constexpr Study table[] = {
     {"mesh-sphere", "what an icosphere of `level` misses of a sphere", mesh_sphere},
     {"bounce", "time to rest of a bouncing ball of restitution `value`", bounce},
     {"similarity", "the same motion at `value` times the size", similarity},
+    {"discharge", "rate at which a bin empties through an opening of `value` grain diameters", discharge},
+    {"step-limit", "observed against predicted critical step: ball (`value` 0), cube on its face (1), three cubes (2)",
+     step_limit},
+    {"rebound", "restitution of an undamped impact at so many steps per contact", rebound},
+    {"long-run", "energy error over `value` bounces", long_run},
+    {"tunnelling", "does a ball at `value` times the response limit pass through a plane?", tunnelling},
+    {"overlap-release", "speed of a ball released from `value` of the largest overlap", overlap_release},
+    {"cut-floor", "a cube slides over a floor cut `value` x `value`: ripple of the force, tilt of the normal",
+     cut_floor},
+    {"mass-ratio", "a cube of `value` times the mass on another", mass_ratio},
     {"stack", "ten cubes on each other: heights, sideways drift, kinetic energy that stays", stack},
 };
 

@@ -110,7 +110,23 @@ KERNEL_BENCH = Program("kernel_bench", {
     "repeats": Parameter("--repeats", int, least=1),
 })
 
-PROGRAMS = {program.name: program for program in (DEM_BENCH, KERNEL_BENCH)}
+STABILITY = Program("stability", {
+    "study": Parameter("--study", str, (
+        "tessellation", "loop-work", "face-rest", "impact", "free-top", "rigid-impact", "ellipsoid-impact", "slope", "topple",
+        "mesh-sphere", "bounce", "similarity", "discharge", "step-limit", "rebound", "long-run", "tunnelling", "overlap-release",
+        "cut-floor", "mass-ratio", "stack")),
+    "contact_rule": Parameter("--contact-rule", str, ("all-pairs", "dedupe", "nearest", "features")),
+    "law": Parameter("--law", str, ("spring-dashpot", "hertz-mindlin")),
+    "control": Parameter("--control", str, ("fixed", "approach", "gap-only")),
+    "value": Parameter("--value", float),
+    "level": Parameter("--level", int, least=-1),
+    "steps_per_contact": Parameter("--steps-per-contact", float, least=1),
+    "particles": Parameter("--particles", int, least=1),
+    "vertices": Parameter("--vertices", int, least=0),
+    "seed": Parameter("--seed", int, least=0),
+})
+
+PROGRAMS = {program.name: program for program in (DEM_BENCH, KERNEL_BENCH, STABILITY)}
 
 
 def _not_finite(value: Any) -> bool:

@@ -68,3 +68,14 @@ def test_the_schemas_refuse_what_is_wrong(results, schema, change):
 def test_every_schema_is_one():
     for schema in SCHEMAS.values():
         jsonschema.Draft202012Validator.check_schema(schema)
+
+
+def test_a_record_of_a_study_keeps_to_its_schema(tmp_path):
+    bin_folder = os.environ.get("TRIGRAIN_BIN", str(EXPERIMENTS.parent / "build/release/bin"))
+    record = tmp_path / "r.json"
+    subprocess.run([f"{bin_folder}/stability", "--study", "rigid-impact", "--value", "13", "--record", str(record)], check=True,
+                   capture_output=True, timeout=60)
+    value = json.loads(record.read_text())
+    assert errors("stability_record", value) == []
+    assert all(metric["within"] for metric in value["metrics"].values())
+    assert errors("stability_record", {**value, "metrics": {"a": 1}})
