@@ -24,8 +24,9 @@ struct Coupling {
   }
 };
 
-std::vector<Coupling> couplings(const Particles& p, const ContactParameters& law, std::span<const Contact> contacts) {
-  std::vector<Coupling> all;
+void couplings(const Particles& p, const ContactParameters& law, std::span<const Contact> contacts,
+               std::vector<Coupling>& all) {
+  all.clear();
   const ContactLaw& row = law_of(law);
   for (const Contact& c : contacts) {
     const Spring s = row.spring(law, p, c, c.overlap);
@@ -33,7 +34,6 @@ std::vector<Coupling> couplings(const Particles& p, const ContactParameters& law
     all.push_back({c.a, c.b, c.point - p.position[c.a], c.point - p.position[c.b], c.normal, c.share * s.tangent,
                    c.share * kt, s.damping, std::sqrt(kt / s.tangent) * s.damping});
   }
-  return all;
 }
 
 Vector3d angular_response(const Particles& p, int i, const Vector3d& torque) {
@@ -45,8 +45,11 @@ Vector3d angular_response(const Particles& p, int i, const Vector3d& torque) {
 
 double contact_step_limit(const Particles& p, const ContactParameters& law, std::span<const Contact> contacts) {
   constexpr int most_rounds = 200;
-  const std::vector<Coupling> all = couplings(p, law, contacts);
-  std::vector<Twist> twist(p.size(), Twist::Zero()), load(p.size(), Twist::Zero());
+  static thread_local std::vector<Coupling> all; // scratch memory that has grown stays
+  static thread_local std::vector<Twist> twist, load;
+  couplings(p, law, contacts, all);
+  twist.assign(p.size(), Twist::Zero());
+  load.assign(p.size(), Twist::Zero());
   for (int i = 0; i < p.size(); ++i) // any start that no symmetry of a scene makes blind for a mode
     if (!p.fixed(i))
       for (int d = 0; d < 6; ++d) twist[i][d] = (1 + .1 * std::sin(7. * i + 3. * d)) / (d < 3 ? 1 : p.radius[i]);
