@@ -1,6 +1,7 @@
 #include "experiments/run_point.hpp"
 #include "experiments/counters.hpp"
 #include "experiments/likwid_marker.hpp"
+#include "experiments/machine.hpp"
 #include "experiments/memory.hpp"
 #include "experiments/trace.hpp"
 #include "experiments/vtk.hpp"
@@ -171,15 +172,6 @@ Scene warmed_up(const Scene& scene, const BenchRequest& request) {
 }
 
 } // namespace
-
-std::string utc_now() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
 
 PointResult run_point(const BenchRequest& request, const std::function<void(const Progress&)>& report) {
   HardwareCounters counters; // before the first thread, so that it counts all of them

@@ -51,7 +51,4 @@ struct PointResult {
 /// other file. `report` may be empty. InputError for what the request gets wrong.
 PointResult run_point(const BenchRequest& request, const std::function<void(const Progress&)>& report);
 
-/// Now, as records write it: 2018-01-15T12:00:00Z.
-std::string utc_now();
-
 } // namespace trigrain

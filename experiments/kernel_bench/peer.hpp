@@ -1,5 +1,6 @@
 #pragma once
 #include "kernels/hits.hpp"
+#include "kernels/triangles.hpp"
 #include <limits>
 
 namespace trigrain {
