@@ -10,6 +10,7 @@ template <class T> struct PreparedTriangle {
   std::array<T, 3> edge2, inverse_edge2;
   Vec3<T> normal, to_v, to_w; ///< normal = edge[0] x -edge[2], not of unit length
   T outside;
+  MaskOf<T> thin; ///< height below 1e-7 of the edges: weights on the face have lost digits that a double's answer needs
 };
 
 template <class T> [[gnu::always_inline]] inline PreparedTriangle<T> prepared(const Corners<T>& c) {
@@ -28,6 +29,7 @@ template <class T> [[gnu::always_inline]] inline PreparedTriangle<T> prepared(co
   t.to_v = inverse_nn * cross(f, t.normal);
   t.to_w = inverse_nn * cross(t.normal, t.edge[0]);
   t.outside = select(flat, T(2), T(0));
+  t.thin = nn < constant<T>(1e-14) * t.edge2[0] * t.edge2[2];
   return t;
 }
 
@@ -109,9 +111,15 @@ template <class T> [[gnu::always_inline]] inline Weights<T> weights_of(const Nea
   return z;
 }
 
-/// Weights of the closest points of a pair that does not cross.
-template <class T> [[gnu::always_inline]] inline Weights<T> closest_weights(const TrianglePair<T>& pair) {
-  return weights_of(nearest_feature(prepared(pair.a), prepared(pair.b)));
+/// Weights of the closest points of a pair that does not cross, and whether a thin triangle makes them doubtful.
+template <class T> struct ClosestWeights {
+  Weights<T> z;
+  MaskOf<T> doubtful;
+};
+
+template <class T> [[gnu::always_inline]] inline ClosestWeights<T> closest_weights(const TrianglePair<T>& pair) {
+  const PreparedTriangle<T> a = prepared(pair.a), b = prepared(pair.b);
+  return {weights_of(nearest_feature(a, b)), a.thin | b.thin};
 }
 
 } // namespace trigrain

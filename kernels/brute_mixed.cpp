@@ -14,7 +14,7 @@ template <class T> [[gnu::noinline, gnu::flatten]] unsigned undecided(const Pair
   const TrianglePair<T>& pair = pack.pair();
   const T reach = pack.in_units(reach_of_query);
   if (const unsigned near = pack.used() & ~bits_of(apart_by_middles(pair, reach)); near == 0) return 0;
-  const auto [p, q] = points_at(pair, closest_weights(pair));
+  const auto [p, q] = points_at(pair, closest_weights(pair).z);
   return pack.used() & ~bits_of(beyond(gap_along(p - q, pair), reach, pair));
 }
 

@@ -10,22 +10,23 @@
 namespace trigrain {
 namespace {
 
-/// The answer of a pack, and the lanes (bits) that rounding leaves in doubt: whether they are within reach, or whether
-/// they touch.
+/// The answer of a pack, and the lanes (bits) that rounding leaves in doubt: whether they are within reach (the points
+/// found prove that they are, the separating plane that they are not), or whether they touch.
 template <class T> struct Solved {
   PackAnswer<T> answer;
-  unsigned within, near_reach, touching;
+  unsigned within, doubtful, touching;
 };
 
 template <class T> [[gnu::always_inline]] inline Solved<T> solved(const TrianglePair<T>& pair, const T& reach) {
   const T rounding = constant<T>(certificate_rounding<T>) * pair.extent;
-  const Weights<T> z = closest_weights(pair);
+  const auto [z, thin] = closest_weights(pair);
   const auto [p, q] = points_at(pair, z);
   const T distance = sqrt(squared(p - q)), lower = min(proven_gap(gap_along(p - q, pair), pair.extent), distance);
   Solved<T> s{.answer = {p, q, distance, lower, distance + rounding, feature_of(z)},
               .within = bits_of(distance <= reach),
-              .near_reach = bits_of(abs(distance - reach) <= rounding),
+              .doubtful = bits_of(!(distance + rounding + rounding <= reach) & !(lower > reach + rounding)),
               .touching = 0};
+  if (std::is_same_v<ScalarOf<T>, double>) s.doubtful |= bits_of(thin & (distance <= reach + rounding));
   if (const auto open = !(lower > T(0)); any_of(open)) {
     const Pierced<T> pierced = pierce(pair);
     const auto crossing = open & pierced.surely;
@@ -35,7 +36,7 @@ template <class T> [[gnu::always_inline]] inline Solved<T> solved(const Triangle
     s.answer.upper = select(crossing, T(0), s.answer.upper);
     s.answer.feature = select(crossing, T(Features::of_a | Features::of_b), s.answer.feature);
     s.within |= bits_of(crossing);
-    s.near_reach &= ~bits_of(crossing);
+    s.doubtful &= ~bits_of(crossing);
     s.touching = bits_of(open & !pierced.surely & !(pierced.surely_not & (distance > T(0))));
   }
   return s;
@@ -47,7 +48,7 @@ template <class T> void decide(const PairPack<T>& pack, int lane, const Solved<T
   const auto [i, j] = pack.index(lane);
   const Triangle a = list.a[i], b = list.b[j];
   Closest closest;
-  if (s.near_reach >> lane & 1 || !(lane_of(s.answer.distance, lane) > 0)) {
+  if (s.doubtful >> lane & 1 || !(lane_of(s.answer.distance, lane) > 0)) {
     closest = closest_by_brute_force(a, b);
   } else if (const auto common = common_point(a, b, pack.p_of(s.answer, lane))) {
     closest = {*common, *common, 0, 0, 0, Features::of_a | Features::of_b};
@@ -62,11 +63,11 @@ template <class T> void decide(const PairPack<T>& pack, int lane, const Solved<T
 template <class T> [[gnu::noinline, gnu::flatten]] void solve(const PairPack<T>& pack, const PairList& list,
                                                               const Query& query, Hits& hits, KernelCounts& counts) {
   const Solved<T> s = solved(pack.pair(), pack.in_units(query.reach));
-  const unsigned doubtful = (s.near_reach | s.touching) & pack.used(), within = s.within & pack.used();
-  if (doubtful == 0) return pack.append(s.answer, within, hits);
-  counts.fall_backs += std::popcount(doubtful);
+  const unsigned redo = (s.doubtful | s.touching) & pack.used(), within = s.within & pack.used();
+  if (redo == 0) return pack.append(s.answer, within, hits);
+  counts.fall_backs += std::popcount(redo);
   for (int lane = 0; lane < pack.size(); ++lane)
-    if (doubtful >> lane & 1)
+    if (redo >> lane & 1)
       decide(pack, lane, s, list, query, hits);
     else if (within >> lane & 1)
       pack.append(s.answer, 1u << lane, hits);
