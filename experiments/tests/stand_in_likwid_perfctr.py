@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 
-BEHAVIOUR = ("xeon", "knl", "zeros", "dashes", "refusal", "truncated", "regions", "silent", "dead", "infinite")
+BEHAVIOUR = ("xeon", "knl", "zeros", "dashes", "refusal", "truncated", "regions", "silent", "dead", "infinite", "alone")
 FIXED = [("INSTR_RETIRED_ANY", "FIXC0"), ("CPU_CLK_UNHALTED_CORE", "FIXC1"), ("CPU_CLK_UNHALTED_REF", "FIXC2")]
 BRANCH = [("BR_INST_RETIRED_ALL_BRANCHES", "PMC0"), ("BR_MISP_RETIRED_ALL_BRANCHES", "PMC1")]
 TIMES = ["Runtime (RDTSC) [s]", "Runtime unhalted [s]", "Clock [MHz]", "CPI"]
@@ -57,6 +57,8 @@ def main() -> int:
             calls.setdefault(region, dict.fromkeys(cpus, 0))[cpu] = int(count)
     if how == "regions":
         calls.pop("merge", None)
+    if how == "alone":
+        calls["merge"] = {cpu: calls["merge"][cpu] if cpu == cpus[0] else 0 for cpu in cpus}
     for region, by_cpu in calls.items() if how != "silent" else ():
         print_tables(region, cpus, group, groups[group], by_cpu, how)
     return done.returncode
