@@ -17,6 +17,28 @@ namespace fs = std::filesystem;
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
+/// A device such as /dev/null or a pipe: it takes text, and must not be replaced by a file.
+bool is_stream(const fs::path& file) {
+  const fs::file_status status = fs::status(file);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+/// Writes all of `text` to an open descriptor; `file` is its name for messages.
+void write_all(int descriptor, std::string_view text, const fs::path& file) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0 && errno != EINTR) refuse(file, errno);
+    if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void write_through(const fs::path& stream, std::string_view text) {
+  const int descriptor = ::open(stream.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) refuse(stream, errno);
+  write_all(descriptor, text, stream);
+  ::close(descriptor);
+}
+
 /// A file that is gone again unless it was renamed.
 class Temporary {
  public:
@@ -34,13 +56,7 @@ class Temporary {
   Temporary(const Temporary&) = delete;
   Temporary& operator=(const Temporary&) = delete;
 
-  void write(std::string_view text) {
-    while (!text.empty()) {
-      const ssize_t written = ::write(descriptor_, text.data(), text.size());
-      if (written < 0 && errno != EINTR) refuse(target_, errno);
-      if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
-    }
-  }
+  void write(std::string_view text) { write_all(descriptor_, text, target_); }
   void rename() {
     if (::fsync(descriptor_) != 0) refuse(target_, errno);
     if (::rename(name_.c_str(), target_.c_str()) != 0) refuse(target_, errno);
@@ -60,11 +76,14 @@ class Temporary {
 } // namespace
 
 void write_atomically(const fs::path& file, std::string_view text) {
+  if (is_stream(file)) return write_through(file, text);
   Temporary temporary(file);
   temporary.write(text);
   temporary.rename();
 }
 
-void require_writable(const fs::path& file) { Temporary probe(file); }
+void require_writable(const fs::path& file) {
+  if (!is_stream(file)) Temporary probe(file);
+}
 
 } // namespace trigrain

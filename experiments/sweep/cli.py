@@ -205,7 +205,8 @@ def _counters(options: argparse.Namespace) -> int:
                     point.params.get("threads", 1) > options.cores:
                 continue
             done += 1
-            if options.fresh or load_counters(store.counters_path(point.id), point.id) is None:
+            before = load_counters(store.counters_path(point.id), point.id)
+            if options.fresh or before is None or counting.counts_more_than(before):
                 whole = counting.count(point, store.load(point.id)[0])["whole"]
                 found = [f"{name} {each['value']:.4g}" for name, each in whole.items() if each["status"] == "measured"]
                 print(f"{point.name}: {', '.join(found) or 'nothing, ' + whole['instructions']['reason']}", flush=True)

@@ -1,6 +1,5 @@
 """Counter runs beside the timing runs: per point one file, every value with its source, every null with its reason."""
 import json
-import os
 import subprocess
 import tempfile
 from dataclasses import dataclass, replace
@@ -42,6 +41,11 @@ class Counting:
         return f"counters by likwid on {self.arch}" if self.arch else \
             f"no likwid ({self.no_likwid}): perf_event where the kernel counts, and callgrind for instructions"
 
+    def counts_more_than(self, found: dict[str, Any]) -> bool:
+        """Whether another try may say more than `found`: nothing was measured, or LIKWID counts now and did not then."""
+        nothing = all(each["status"] != "measured" for each in found["whole"].values())
+        return nothing or (self.arch is not None and found["arch"] is None)
+
     def count(self, point: Point, record: dict) -> dict[str, Any]:
         """Counts a point whose timing run left `record`, and keeps the result."""
         metrics = metrics_of(self.arch) if self.arch else []
@@ -72,7 +76,7 @@ class Counting:
     def _command(self, bench: Bench, point: Point) -> list[str]:
         once = replace(point, params={**point.params, "repeats": 1, "check_steps": 1})
         start = self.store.state_path(point.start.id) if point.start else None
-        return point_command(bench, once, self.spec.folder, ["--record", os.devnull], start)
+        return point_command(bench, once, self.spec.folder, [], start)
 
     def _limited(self, words: list[str]) -> tuple[int, str]:
         with tempfile.TemporaryFile("w+") as errors:

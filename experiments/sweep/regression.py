@@ -1,5 +1,4 @@
 """Runs fixed work with two builds in turn and compares point by point."""
-import os
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -73,7 +72,7 @@ def compare_builds(spec: Spec, benches: tuple[Bench, Bench], portable: tuple[Pat
         if portable and not any(side.trouble for side in sides):
             for bench, path, side in zip(benches, portable, sides):
                 once = replace(point, params={**point.params, "repeats": 1})
-                command = point_command(replace(bench, path=path), once, spec.folder, ["--record", os.devnull], None)
+                command = point_command(replace(bench, path=path), once, spec.folder, [], None)
                 count, _ = callgrind.instructions(command, spec.time_limit_s)
                 if count is not None:
                     side.counts[INSTRUCTIONS] = count

@@ -1,8 +1,10 @@
 #include "experiments/atomic_file.hpp"
 #include "kernels/name_table.hpp"
+#include <fcntl.h>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace trigrain {
@@ -54,6 +56,20 @@ TEST_F(AtomicFile, asking_whether_a_file_can_be_written_changes_nothing) {
   EXPECT_EQ(text_of(folder / "a.json"), "text");
   EXPECT_EQ(files(), 1);
   EXPECT_THROW(require_writable(folder / "missing" / "a.json"), InputError);
+}
+
+TEST_F(AtomicFile, a_pipe_takes_the_text_and_stays_a_pipe) {
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  require_writable(pipe);
+  write_atomically(pipe, "text");
+  char text[8] = {};
+  EXPECT_EQ(::read(reader, text, sizeof text), 4);
+  EXPECT_STREQ(text, "text");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(files(), 1);
+  ::close(reader);
 }
 
 TEST_F(AtomicFile, a_place_that_takes_no_files_is_an_input_error) {

@@ -105,6 +105,12 @@ def test_a_point_is_counted_once(sweep):
     assert "instructions" not in sweep("xeon")[0]
 
 
+def test_what_nobody_could_count_is_counted_once_somebody_can(sweep):
+    sweep("refusal")
+    said, found = sweep("xeon")
+    assert "instructions" in said and found["whole"]["dram_bytes"]["source"] == "likwid"
+
+
 @pytest.mark.parametrize("synthetic,threads,cpus", [
     ("package:2 l3:1 core:12 pu:2", 14, [*range(0, 24, 2), 24, 26]), ("package:1 core:64 pu:4", 3, [0, 4, 8])])
 def test_threads_fill_cores_of_synthetic_machines(dem_bench, tmp_path, monkeypatch, synthetic, threads, cpus):
