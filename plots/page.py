@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 
 from figure import Drawn
-from records import DRAWN, Point
+from records import DRAWN, EXPECTED, Point
 
 TABLE_LIMIT = 200  # rows of a table in the page; the CSV has all
 MARKS = {"PASS": "good", "FAIL": "bad"}
@@ -71,14 +71,16 @@ def verified(points: list[Point]) -> str:
     example: dict[str, str] = {}
     for point in points:
         for how in (point.record or {}).get("check", {}).get("how", []):
-            checks.setdefault(how["what"], Counter())["passed" if how["passed"] else "failed"] += 1
+            failed = "failed as expected" if point.state == EXPECTED else "failed"
+            checks.setdefault(how["what"], Counter())["passed" if how["passed"] else failed] += 1
             example.setdefault(how["what"], how["detail"])
     if not checks:
         return '<h2 id="verified">What was verified</h2><p>No point has run.</p>'
     rows = [[escape(what), str(count["passed"]), f"<td{' class=bad' if count['failed'] else ''}>{count['failed']}</td>",
-             escape(example[what])] for what, count in checks.items()]
+             str(count["failed as expected"]), escape(example[what])] for what, count in checks.items()]
     return ('<h2 id="verified">What was verified</h2><p>Every point is checked before it is timed; a point that fails is '
-            "not drawn.</p>" + table(["check", "points passed", "failed", "for example"], rows))
+            "not drawn. Baselines whose answers are known to be wrong fail as expected.</p>"
+            + table(["check", "points passed", "failed", "failed as expected", "for example"], rows))
 
 
 def not_drawn(drawn: dict[str, Drawn]) -> str:
@@ -88,7 +90,7 @@ def not_drawn(drawn: dict[str, Drawn]) -> str:
         rows += [[number, escape(panel["what"]), f"needs {escape(panel['needs'])}"] for panel in each.sweep.elsewhere]
         for point in each.sweep.points:
             if point.state != DRAWN:
-                bad = " class=bad" if "failed" in point.state else ""
+                bad = " class=bad" if point.state in ("failed", "check failed") else ""
                 why = f": {escape(point.why)}" if point.why else ""
                 rows.append([number, escape(point.name), f"<td{bad}>{point.state}{why}</td>"])
     if not rows:

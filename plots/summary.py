@@ -2,7 +2,7 @@
 from collections import Counter
 
 from figure import Drawn
-from records import DRAWN, Point
+from records import DRAWN, EXPECTED, Point
 
 
 def sentences(drawn: dict[str, Drawn], absent: dict[str, str], claims: list[dict]) -> list[str]:
@@ -23,11 +23,14 @@ def _measured(drawn: dict[str, Drawn], points: list[Point]) -> str:
 
 
 def _verified(points: list[Point]) -> str:
-    checks = [how["passed"] for point in points for how in (point.record or {}).get("check", {}).get("how", [])]
+    checks = [how["passed"] for point in points if point.state != EXPECTED
+              for how in (point.record or {}).get("check", {}).get("how", [])]
     if not checks:
         return "No answer has been verified."
     if all(checks):
-        return f"All {len(checks)} checks of the answers passed; a point that fails one is not drawn."
+        baselines = sum(point.state == EXPECTED for point in points)
+        known = f" ({_count(baselines, 'baseline')} known to be wrong left out)" if baselines else ""
+        return f"All {len(checks)} checks of the answers passed{known}; a point that fails one is not drawn."
     return f"{checks.count(False)} of {len(checks)} checks of the answers FAILED; those points are not drawn."
 
 

@@ -9,7 +9,7 @@ from sweep.aliases import key_here, value_here
 from sweep.axes import excluded
 from sweep.errors import InputError, nearest
 from sweep.parameters import DEM_BENCH
-from sweep.spec import Spec
+from sweep.spec import ExpectedFailure, Spec
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,7 @@ class Point:
     name: str
     params: dict[str, Any]
     start: StartState | None = None
+    expected_failure: ExpectedFailure | None = None
 
 
 def expand(spec: Spec) -> list[Point]:
@@ -45,7 +46,8 @@ def expand(spec: Spec) -> list[Point]:
         identity = {**program, **params, **({"start_state": start.id} if start else {}),
                     **({"digest": digest} if digest else {})}
         name = " ".join(f"{key}={value}" for key, value in varied.items()) or spec.name
-        point = Point(short_hash(identity), name, params, start)
+        baseline = next((each for each in spec.expected_failures if excluded(params, [each.where])), None)
+        point = Point(short_hash(identity), name, params, start, baseline)
         if point.id in points:
             raise InputError(f"two points are the same ({spec.name}.json: {name}). Remove one row of zip.")
         points[point.id] = point

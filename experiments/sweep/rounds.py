@@ -30,7 +30,7 @@ class Rounds:
         samples = [sample for record in self.records for sample in record["samples"]]
         states = {record.get("state_hash") for record in self.records}
         passed = len(states) == 1 and all(record["check"]["passed"] for record in self.records)
-        how = {"what": "interleaved", "passed": passed,
+        how = {"what": "interleaved", "passed": len(states) == 1,
                "detail": f"{len(self.records)} processes in turn with those of compared points, distinct last states: "
                          f"{len(states)}"}
         warnings = dict.fromkeys(text for record in self.records for text in record.get("warnings", []))

@@ -140,9 +140,9 @@ class Runner:
 
     def _keep(self, point: Point, record: dict, took_s: float, progress: Progress) -> None:
         self.store.write_record(point.id, record, took_s)
-        passed = record["status"] == "finished" and record["check"]["passed"]
-        result = duration(took_s) + ("" if passed else ", CHECK FAILED")
-        progress.finish(point.id, point.name, result, took_s, trouble=not passed)
+        state, why = status.verdict(point, record["check"])
+        said = {status.FINISHED: "", status.EXPECTED: f", {state} ({why})"}.get(state, f", CHECK FAILED ({why})")
+        progress.finish(point.id, point.name, duration(took_s) + said, took_s, trouble=state == status.CHECK_FAILED)
 
     def _fail(self, point: Point, failure: dict, took_s: float, progress: Progress) -> None:
         self.store.write_failure(point.id, point.params, {**failure, "ended_utc": now()}, took_s)

@@ -9,7 +9,7 @@ from sweep.errors import InputError, an_object, nearest
 from sweep.parameters import PROGRAMS, Program
 
 KEYS = ("title", "about", "program", "fixed", "axes", "zip", "exclude", "interleave", "prepare", "time_limit_s",
-        "memory_limit_mb", "trace", "elsewhere")
+        "memory_limit_mb", "trace", "expected_failures", "elsewhere")
 OVERRIDABLE = ("fixed", "axes", "zip", "exclude", "prepare", "time_limit_s", "memory_limit_mb")
 PREPARE_KEYS = ("by", "params", "end_s")
 # How long or how often a point is timed says nothing about the state it starts from.
@@ -22,6 +22,14 @@ class Prepare:
     by: tuple[str, ...]
     params: dict[str, Any]
     end_s: float
+
+
+@dataclass(frozen=True)
+class ExpectedFailure:
+    """Points that meet all of `where` fail this one check, and `why`: a baseline whose answers are known to be wrong."""
+    where: dict[str, list]
+    check: str
+    why: str
 
 
 @dataclass(frozen=True)
@@ -42,6 +50,7 @@ class Spec:
     time_limit_s: float
     memory_limit_mb: float | None
     trace: bool
+    expected_failures: list[ExpectedFailure]
     elsewhere: list[dict[str, str]]
     folder: Path
 
@@ -84,7 +93,8 @@ def _build(raw: dict, preset: str, path: Path) -> Spec:
                 _interleave(program, raw.get("interleave", []), f"{name}: interleave"),
                 None if prepare is None else _prepare(program, prepare, name),
                 latest("time_limit_s", _above_zero) or 3600.0, latest("memory_limit_mb", _above_zero),
-                _trace(program, raw.get("trace", False), f"{name}: trace"), _elsewhere(raw, name), path.parent)
+                _trace(program, raw.get("trace", False), f"{name}: trace"),
+                _expected_failures(program, raw.get("expected_failures", []), f"{name}: expected_failures"), _elsewhere(raw, name), path.parent)
     _complete(spec, name)
     return spec
 
@@ -153,6 +163,16 @@ def _prepare(program: Program, raw: Any, name: str) -> Prepare:
     return Prepare(tuple(by), params, program.typed("end_s", raw["end_s"], f"{where}.end_s"))
 
 
+def _expected_failures(program: Program, raw: Any, where: str) -> list[ExpectedFailure]:
+    found = []
+    for i, each in enumerate(raw if isinstance(raw, list) else [raw]):
+        texts = isinstance(each, dict) and [each.get(key) for key in ("check", "why")]
+        if not texts or set(each) != {"where", "check", "why"} or not all(text and isinstance(text, str) for text in texts):
+            raise InputError(f"an object with 'where', 'check' and 'why' is expected ({where}[{i}]). Write all three.")
+        found.append(ExpectedFailure(varied.read_exclude(program, [each["where"]], f"{where}[{i}].where")[0], *texts))
+    return found
+
+
 def _elsewhere(raw: dict, name: str) -> list[dict[str, str]]:
     """Panels that this project cannot measure on an ordinary machine: {"what", "needs"}."""
     panels = raw.get("elsewhere", [])
@@ -197,7 +217,6 @@ def _load(path: Path) -> dict:
         raise InputError(f"not JSON ({path.name}: line {error.lineno}, column {error.colno}: {error.msg}). "
                          "Mend that line.") from None
     return an_object(raw, path.name)
-
 
 
 def _known_keys(raw: dict, keys: tuple[str, ...], name: str, path: str) -> None:

@@ -17,6 +17,7 @@ SHARED: Schema = {
                              "step": {"type": "number", "exclusiveMinimum": 0},
                              "factor": {"type": "number", "exclusiveMinimum": 1}},
               "oneOf": [{"required": ["step"]}, {"required": ["factor"]}]},
+    "text": {"type": "string", "minLength": 1},
     "elsewhere": {"description": "panels that need another kind of machine; listed, never run", "type": "array",
                   "items": {"type": "object", "additionalProperties": False, "required": ["what", "needs"],
                             "properties": {"what": {"type": "string"}, "needs": {"type": "string"}}}},
@@ -55,6 +56,11 @@ def _spec(program: Program) -> Schema:
             "prepare": {"allOf": [ref["prepare"], {"required": ["by", "end_s"]}]},
             "trace": {"description": "keep the work of every thread of every point as RESULTS/SPEC/traces/ID.json, in Chrome's "
                                      "trace format", "type": "boolean"},
+            "expected_failures": {"description": "points that meet all of `where` are baselines whose `check` fails, and why: "
+                                                 "they are shown as such and are no defect", "type": "array",
+                                  "items": {"type": "object", "additionalProperties": False, "required": ["where", "check", "why"],
+                                            "properties": {"where": {"allOf": [ref["choices"], {"minProperties": 1}]},
+                                                           "check": {"$ref": "#/$defs/text"}, "why": {"$ref": "#/$defs/text"}}}},
             "elsewhere": {"$ref": "#/$defs/elsewhere"},
             "presets": {"description": "changes to the spec by name: --quick, --full, --preset NAME; full without an entry "
                                        "is the spec itself", "type": "object", "additionalProperties": preset}},

@@ -9,11 +9,12 @@ from sweep.store import Store, now
 
 FINISHED = "finished"
 CHECK_FAILED = "check failed"
+EXPECTED = "check failed as expected"
 FAILED = "failed"
 MISSING = "missing"
 BIGGER_MACHINE = "needs a bigger machine"
 NOT_AVAILABLE = "not available in this build"
-ORDER = (FINISHED, CHECK_FAILED, FAILED, MISSING, BIGGER_MACHINE, NOT_AVAILABLE)
+ORDER = (FINISHED, EXPECTED, CHECK_FAILED, FAILED, MISSING, BIGGER_MACHINE, NOT_AVAILABLE)
 
 
 @dataclass(frozen=True)
@@ -37,10 +38,7 @@ def status_of(point: Point, store: Store, bench: Bench | None, cores: int) -> Po
         took_s = record.get("sweep", {}).get("took_s")
         if record["status"] == "failed":
             return PointStatus(point, FAILED, record.get("reason", ""), other, took_s=took_s)
-        if record["check"]["passed"]:
-            return PointStatus(point, FINISHED, "", other, took_s=took_s)
-        failed = [str(how.get("what")) for how in record["check"].get("how", []) if not how.get("passed")]
-        return PointStatus(point, CHECK_FAILED, ", ".join(failed), other, took_s=took_s)
+        return PointStatus(point, *verdict(point, record["check"]), other, took_s=took_s)
     lacking = bench and (bench.lacks(point.params) or (point.start and bench.lacks(point.start.params)))
     if lacking:
         return PointStatus(point, NOT_AVAILABLE, lacking, broken=broken)
@@ -48,6 +46,17 @@ def status_of(point: Point, store: Store, bench: Bench | None, cores: int) -> Po
     if threads > cores:
         return PointStatus(point, BIGGER_MACHINE, f"{threads} threads, {cores} cores here", broken=broken)
     return PointStatus(point, MISSING, broken=broken)
+
+
+def verdict(point: Point, check: dict) -> tuple[str, str]:
+    """State of a point that ran to its end, and why it is not "finished"."""
+    if check["passed"]:
+        return FINISHED, ""
+    failed = dict.fromkeys(str(how.get("what")) for how in check.get("how", []) if not how.get("passed"))
+    baseline = point.expected_failure
+    if baseline and list(failed) == [baseline.check]:
+        return EXPECTED, f"{baseline.check}: {baseline.why}"
+    return CHECK_FAILED, ", ".join(failed)
 
 
 def counts(statuses: list[PointStatus]) -> str:
@@ -63,4 +72,5 @@ def write_index(store: Store, spec: Spec, statuses: list[PointStatus], cores: in
         "elsewhere": spec.elsewhere, "cores": cores, "written_utc": now(),
         "points": [{"id": status.point.id, "name": status.point.name, "params": status.point.params,
                     "state": status.state, "why": status.why,
+                    "expected_failure": vars(status.point.expected_failure) if status.point.expected_failure else None,
                     "start_state": status.point.start.id if status.point.start else None} for status in statuses]})

@@ -195,6 +195,22 @@ def test_a_point_that_dies_costs_only_itself(bench):
     assert "no record" in by_seed[4][0]["reason"] and "check.passed" in by_seed[6][0]["reason"]
 
 
+@pytest.mark.parametrize("check,code,state", [("kernel", 0, "check failed as expected"), ("grid", 1, "check failed")])
+def test_a_baseline_that_fails_the_check_it_is_known_to_fail_is_no_defect(bench, check, code, state):
+    seed, = seeds("check fails")
+    baseline = {"where": {"seed": seed}, "check": check, "why": "known to be wrong"}
+    bench.write(axes={"seed": [0, seed], "kernel": ["brute"]}, fixed={"scene": "hopper", "steps": 3, "repeats": 2},
+                interleave=["seed"], expected_failures=[baseline])
+    done = bench.run("run", expect=code)
+    assert bench.states()[f"seed={seed} kernel=brute"] == state and f"1 {state}" in done.stdout
+    assert ("kernel: known to be wrong" in done.stdout) == (code == 0) == ("CHECK FAILED (kernel)" not in done.stdout)
+    assert ("--rerun-failed" in done.stderr) == (code == 1)
+    assert state in bench.run("status").stdout
+    assert len(bench.calls()) == 4
+    bench.run("run", "--rerun-failed", expect=code)
+    assert len(bench.calls()) == 4 + code, "what is as expected is not tried again"
+
+
 def test_failed_points_wait_for_rerun_failed(bench):
     bench.write(axes={"seed": seeds("crash", "fine")})
     bench.run("run", expect=1)

@@ -48,6 +48,10 @@ WRONG = [
     ({"prepare": {"by": ["scene"]}}, "end_s is missing (s.json: prepare)", True),
     ({"prepare.params.kernel": "brut"}, "unknown kernel 'brut' (s.json: prepare.params.kernel). Did you mean", True),
     ({"elsewhere": [{"what": "a"}]}, "'what' and 'needs' is expected (s.json: elsewhere[0])", True),
+    ({"expected_failures": [{"where": {"kernel": "brute"}, "check": "kernel"}]},
+     "'where', 'check' and 'why' is expected (s.json: expected_failures[0])", True),
+    ({"expected_failures": [{"where": {"kernel": "brut"}, "check": "kernel", "why": "w"}]},
+     "unknown kernel 'brut' (s.json: expected_failures[0].where", True),
     ({"presets.tiny.fixd": {}}, "unknown key 'fixd' (s.json: presets.tiny.fixd). Did you mean 'fixed'?", True),
     ({"presets.tiny.fixed": {"kernel": 3}}, "a name is expected, not 3 (s.json: presets.tiny.fixed.kernel)", True),
 ]

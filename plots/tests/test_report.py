@@ -60,7 +60,22 @@ def test_a_failed_check_makes_the_report_fail_and_say_so(full):
     full.change("figure_8_5", id, check={"passed": False, "how": [{"what": "grid", "passed": False, "detail": "lost"}]})
     page = report(full, "--figures", "8.5", expect=1)
     assert "<td class=bad>check failed: grid</td>" in page
-    assert "<td>grid</td><td>0</td><td class=bad>1</td><td>lost</td>" in page
+    assert "<td>grid</td><td>0</td><td class=bad>1</td><td>0</td><td>lost</td>" in page
+
+
+def test_a_baseline_that_fails_as_expected_is_listed_and_no_failure(full):
+    id = full.sweep("figure_8_5", AXES, FIXED)["grid=regular vertices=20 threads=2"]["id"]
+    full.change("figure_8_5", id, check={"passed": False, "how": [{"what": "kernel", "passed": False, "detail": "wrong"}]})
+    index = full.read("figure_8_5", "index")
+    for point in index["points"]:
+        point["expected_failure"] = {"where": {}, "check": "kernel", "why": "known to be wrong"} if point["id"] == id else None
+    full.write("figure_8_5", "index", index)
+    page = report(full, "--figures", "8.5")
+    assert "<td>check failed as expected: kernel: known to be wrong</td>" in page
+    assert "<td>0</td><td>1</td><td>64 pairs agree</td>" in page
+    assert "checks of the answers passed (1 baseline known to be wrong left out)" in page
+    full.change("figure_8_5", id, check={"passed": False, "how": [{"what": "grid", "passed": False, "detail": "lost"}]})
+    assert "<td class=bad>check failed: grid</td>" in report(full, "--figures", "8.5", expect=1), "not what is expected"
 
 
 def test_figures_without_results_are_listed(made_up):
