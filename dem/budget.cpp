@@ -29,24 +29,36 @@ void MiddleMotion::update(const Particles& p, const Loads& loads, const Vector3d
   }
 }
 
-ContactWork work_of(const Contact& c, const Particles& p, const MiddleMotion& motion, double kick_s) {
+Budget& Budget::operator+=(const Budget& o) {
+  damping += o.damping;
+  friction += o.friction;
+  outside += o.outside;
+  impulse += o.impulse;
+  angular_impulse += o.angular_impulse;
+  return *this;
+}
+
+KickSums& KickSums::operator+=(const KickSums& o) {
+  budget += o.budget;
+  pending += o.pending;
+  held += o.held;
+  released += o.released;
+  fast_contacts += o.fast_contacts;
+  return *this;
+}
+
+namespace {
+
+void add_dissipation(const Contact& c, const Particles& p, const MiddleMotion& motion, double kick_s, KickSums& sums) {
   const Vector3d relative = motion.velocity[c.a] + motion.angular_velocity[c.a].cross(c.point - p.position[c.a]) -
                             motion.velocity[c.b] - motion.angular_velocity[c.b].cross(c.point - p.position[c.b]);
   const Vector3d other = c.force - c.elastic; // dashpots and the tangential spring
   const double normal = -kick_s * other.dot(c.normal) * relative.dot(c.normal);
   const double tangential = -kick_s * (other - other.dot(c.normal) * c.normal).dot(relative);
   const double dissipated = tangential + c.released;
-  return {.damping = normal + (c.slides ? 0 : dissipated),
-          .friction = c.slides ? dissipated : 0,
-          .pending = (normal + tangential) / 2};
-}
-
-void add_weight_impulse(const Particles& p, const Vector3d& gravity, double kick_s, Budget& budget) {
-  for (int i = 0; i < p.size(); ++i) {
-    const Vector3d impulse = kick_s * p.mass[i] * gravity; // fixed bodies have mass 0
-    budget.impulse += impulse;
-    budget.angular_impulse += p.position[i].cross(impulse);
-  }
+  sums.budget.damping += normal + (c.slides ? 0 : dissipated);
+  sums.budget.friction += c.slides ? dissipated : 0;
+  sums.pending += (normal + tangential) / 2;
 }
 
 void add_wall_impulse(const Particles& p, const Contact& c, double kick_s, Budget& budget) {
@@ -56,17 +68,40 @@ void add_wall_impulse(const Particles& p, const Contact& c, double kick_s, Budge
   budget.angular_impulse += sign * (c.point.cross(c.force) + c.torque);
 }
 
-void add_impulse(const Particles& p, const Loads& outside, double kick_s, Budget& budget) {
-  for (int i = 0; i < p.size(); ++i) {
+} // namespace
+
+void add_contacts(std::span<const Contact> contacts, const Particles& p, const MiddleMotion& motion, double kick_s,
+                  KickSums& sums) {
+  for (const Contact& c : contacts) {
+    add_dissipation(c, p, motion, kick_s, sums);
+    add_wall_impulse(p, c, kick_s, sums.budget);
+    sums.released += c.released;
+    sums.held += c.tangential_stiffness / 2 * c.tangential.squaredNorm();
+    sums.fast_contacts += c.fast;
+  }
+}
+
+void add_weight(const Particles& p, const Vector3d& gravity, double kick_s, int begin, int end, Budget& budget) {
+  for (int i = begin; i < end; ++i) {
+    const Vector3d impulse = kick_s * p.mass[i] * gravity; // fixed bodies have mass 0
+    budget.impulse += impulse;
+    budget.angular_impulse += p.position[i].cross(impulse);
+  }
+}
+
+void add_outside(const Particles& p, const Loads& outside, const MiddleMotion& motion, double kick_s, int begin,
+                 int end, Budget& budget) {
+  budget.outside += work_of(outside, motion, kick_s, begin, end);
+  for (int i = begin; i < end; ++i) {
     if (p.fixed(i)) continue;
     budget.impulse += kick_s * outside.force[i];
     budget.angular_impulse += kick_s * (p.position[i].cross(outside.force[i]) + outside.torque[i]);
   }
 }
 
-double work_of(const Loads& outside, const MiddleMotion& motion, double kick_s) {
+double work_of(const Loads& outside, const MiddleMotion& motion, double kick_s, int begin, int end) {
   double sum = 0;
-  for (std::size_t i = 0; i < outside.force.size(); ++i)
+  for (int i = begin; i < end; ++i)
     sum += outside.force[i].dot(motion.velocity[i]) + outside.torque[i].dot(motion.angular_velocity[i]);
   return kick_s * sum;
 }

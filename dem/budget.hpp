@@ -2,6 +2,7 @@
 #include "dem/contact.hpp"
 #include "dem/loads.hpp"
 #include "dem/particles.hpp"
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct Budget {
   double outside = 0;                       ///< work of loads from outside (J)
   Eigen::Vector3d impulse{0, 0, 0};         ///< of gravity, fixed bodies and outside on the bodies that move (N s)
   Eigen::Vector3d angular_impulse{0, 0, 0}; ///< the same about the world's origin (N m s)
+  Budget& operator+=(const Budget& other);
 };
 
 /// Linear and angular momentum about the world's origin (kg m/s, kg m2/s).
@@ -31,19 +33,25 @@ struct MiddleMotion {
               int end);
 };
 
-/// What one contact dissipates during a kick (J).
-struct ContactWork {
-  double damping, friction;
-  double pending; ///< part of it that belongs to the second half of the kick
+/// What a kick adds to the budget, and what the springs of its contacts hold: sums over bodies and contacts.
+struct KickSums {
+  Budget budget;
+  double pending = 0;             ///< of what is dissipated, the part of the second half of the kick (J)
+  double held = 0, released = 0;  ///< by the tangential springs: after the kick, and given up in it (J)
+  std::int64_t fast_contacts = 0; ///< that springs cannot stop
+  KickSums& operator+=(const KickSums& other);
 };
-ContactWork work_of(const Contact& contact, const Particles& particles, const MiddleMotion& motion, double kick_s);
+/// Adds what contacts dissipate, and the impulse of those with fixed bodies.
+void add_contacts(std::span<const Contact> contacts, const Particles& particles, const MiddleMotion& motion,
+                  double kick_s, KickSums& sums);
 
-/// Add the impulse of a kick: by gravity, by the fixed body of a contact, and by loads from outside.
-void add_weight_impulse(const Particles& particles, const Eigen::Vector3d& gravity, double kick_s, Budget& budget);
-void add_wall_impulse(const Particles& particles, const Contact& contact, double kick_s, Budget& budget);
-void add_impulse(const Particles& particles, const Loads& outside, double kick_s, Budget& budget);
+/// Add the impulse on bodies [begin, end): by gravity, and by loads from outside with their work.
+void add_weight(const Particles& particles, const Eigen::Vector3d& gravity, double kick_s, int begin, int end,
+                Budget& budget);
+void add_outside(const Particles& particles, const Loads& outside, const MiddleMotion& motion, double kick_s, int begin,
+                 int end, Budget& budget);
 
-/// Work of loads from outside during a kick (J).
-double work_of(const Loads& outside, const MiddleMotion& motion, double kick_s);
+/// Work of loads from outside on bodies [begin, end) during a kick (J).
+double work_of(const Loads& outside, const MiddleMotion& motion, double kick_s, int begin, int end);
 
 } // namespace trigrain

@@ -6,12 +6,27 @@
 namespace trigrain {
 namespace {
 
-constexpr int grain = 128; // bodies or pairs a worker takes at a time
+constexpr int grain = 64; // bodies or pairs a worker takes at a time
 
 int count_up(int& counter, int by = 1) { return std::atomic_ref(counter).fetch_add(by, std::memory_order_relaxed); }
 
 /// first[i + 1] holds the count of i; then first[i] is where i begins.
 void add_up(std::vector<int>& first) { std::partial_sum(first.begin(), first.end(), first.begin()); }
+
+/// Calls visit(worker, pair) for every body pair that a worker found; the team shares them, however many one has.
+template <class Visit> void for_found(std::span<const WorkerBuffer> buffers, Team& team, const Visit& visit) {
+  int total = 0;
+  for (const WorkerBuffer& buffer : buffers) total += static_cast<int>(buffer.found.size());
+  team.parallel_for(total, grain, [&](int begin, int end, int) {
+    int first = 0; // of this buffer's pairs, numbered through
+    for (int w = 0; w < static_cast<int>(buffers.size()) && first < end; ++w) {
+      const std::vector<FoundPair>& found = buffers[w].found;
+      const int count = static_cast<int>(found.size());
+      for (int i = std::max(begin, first); i < std::min(end, first + count); ++i) visit(w, found[i - first]);
+      first += count;
+    }
+  });
+}
 
 } // namespace
 
@@ -19,38 +34,32 @@ void ContactList::gather(std::span<const WorkerBuffer> buffers, const Particles&
   last_contacts_.swap(contacts_);
   last_pairs_.swap(pairs_);
   last_first_a_.swap(first_a_);
+  count(buffers, particles, team);
   sort_pairs(buffers, particles.size(), team);
-  place_contacts(particles.size(), team);
-  team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
-    for (int i = begin; i < end; ++i) {
-      const auto from = buffers[pairs_[i].worker].contacts.begin() + pairs_[i].found;
-      std::copy_n(from, pairs_[i].count, contacts_.begin() + pairs_[i].first);
-    }
+  place_contacts(buffers, particles, team);
+}
+
+/// How many pairs each body has as a and as b. Fixed bodies feel no forces.
+void ContactList::count(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
+  first_a_.assign(particles.size() + 1, 0);
+  first_b_.assign(particles.size() + 1, 0);
+  for_found(buffers, team, [&](int, const FoundPair& found) {
+    count_up(first_a_[found.a + 1]);
+    if (!particles.fixed(found.b)) count_up(first_b_[found.b + 1]);
   });
-  find_partners(particles, team);
+  add_up(first_a_);
+  add_up(first_b_);
+  pairs_.resize(first_a_.back());
+  pairs_of_b_.resize(first_b_.back());
 }
 
 /// Counting sort by a: where the workers put a pair among those of its a depends on who is first, sorting by b mends
-/// it.
+/// it. Counts the contacts of each body.
 void ContactList::sort_pairs(std::span<const WorkerBuffer> buffers, int bodies, Team& team) {
-  first_a_.assign(bodies + 1, 0);
-  const int workers = static_cast<int>(buffers.size());
-  team.parallel_for(workers, 1, [&](int begin, int end, int) {
-    for (int w = begin; w < end; ++w)
-      for (const FoundPair& found : buffers[w].found) count_up(first_a_[found.a + 1]);
+  place_.assign(first_a_.begin(), first_a_.end());
+  for_found(buffers, team, [&](int worker, const FoundPair& f) {
+    pairs_[count_up(place_[f.a])] = {f.a, f.b, worker, f.first, 0, f.count};
   });
-  add_up(first_a_);
-  pairs_.resize(first_a_.back());
-  place_.assign(first_a_.begin(), first_a_.end() - 1);
-  team.parallel_for(workers, 1, [&](int begin, int end, int) {
-    for (int w = begin; w < end; ++w)
-      for (const FoundPair& f : buffers[w].found) pairs_[count_up(place_[f.a])] = {f.a, f.b, w, f.first, 0, f.count};
-  });
-}
-
-/// Sorts the pairs of each body by b, and lays their contacts out one after the other.
-void ContactList::place_contacts(int bodies, Team& team) {
-  place_.resize(bodies + 1);
   team.parallel_for(bodies, grain, [&](int begin, int end, int) {
     for (int a = begin; a < end; ++a) {
       const auto own = std::span(pairs_).subspan(first_a_[a], first_a_[a + 1] - first_a_[a]);
@@ -63,30 +72,23 @@ void ContactList::place_contacts(int bodies, Team& team) {
       place_[a + 1] = count;
     }
   });
+}
+
+/// Lays the contacts out one pair after the other, and sorts the same pairs by (b, a).
+void ContactList::place_contacts(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
   place_[0] = 0;
   add_up(place_);
   contacts_.resize(place_.back());
+  place_b_.assign(first_b_.begin(), first_b_.end());
   team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
-    for (int i = begin; i < end; ++i) pairs_[i].first += place_[pairs_[i].a];
+    for (int i = begin; i < end; ++i) {
+      Pair& pair = pairs_[i];
+      pair.first += place_[pair.a];
+      std::copy_n(buffers[pair.worker].contacts.begin() + pair.found, pair.count, contacts_.begin() + pair.first);
+      if (!particles.fixed(pair.b)) pairs_of_b_[count_up(place_b_[pair.b])] = i;
+    }
   });
-}
-
-/// The same pairs sorted by (b, a). Fixed bodies feel no forces.
-void ContactList::find_partners(const Particles& particles, Team& team) {
-  const int bodies = particles.size();
-  first_b_.assign(bodies + 1, 0);
-  team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
-    for (int i = begin; i < end; ++i)
-      if (!particles.fixed(pairs_[i].b)) count_up(first_b_[pairs_[i].b + 1]);
-  });
-  add_up(first_b_);
-  pairs_of_b_.resize(first_b_.back());
-  place_.assign(first_b_.begin(), first_b_.end() - 1);
-  team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
-    for (int i = begin; i < end; ++i)
-      if (!particles.fixed(pairs_[i].b)) pairs_of_b_[count_up(place_[pairs_[i].b])] = i;
-  });
-  team.parallel_for(bodies, grain, [&](int begin, int end, int) {
+  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
     for (int b = begin; b < end; ++b)
       std::sort(pairs_of_b_.begin() + first_b_[b], pairs_of_b_.begin() + first_b_[b + 1]);
   });

@@ -43,15 +43,15 @@ class ContactList {
   }
 
  private:
+  void count(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team);
   void sort_pairs(std::span<const WorkerBuffer> buffers, int bodies, Team& team);
-  void place_contacts(int bodies, Team& team);
-  void find_partners(const Particles& particles, Team& team);
+  void place_contacts(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team);
 
   std::vector<Contact> contacts_, last_contacts_;
   std::vector<Pair> pairs_, last_pairs_;    // sorted by (a, b)
   std::vector<int> first_a_, last_first_a_; // pairs of body a: [a], ..., [a + 1] - 1
   std::vector<int> first_b_, pairs_of_b_;   // pairs in which a body is b, by a
-  std::vector<int> place_;                  // scratch per body
+  std::vector<int> place_, place_b_;        // scratch per body
 };
 
 } // namespace trigrain

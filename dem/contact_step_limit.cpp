@@ -1,87 +1,107 @@
 #include "dem/contact_step_limit.hpp"
+#include "dem/block_sum.hpp"
 #include "dem/contact_law.hpp"
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace trigrain {
 namespace {
 
-using Eigen::Vector3d;
-using Twist = Eigen::Matrix<double, 6, 1>; // velocity and angular velocity, or force and torque
-
-/// Springs and dashpots of one contact as the bodies feel them.
-struct Coupling {
-  int a, b;
-  Vector3d arm_a, arm_b, normal;
-  double k, kt, c, ct;
-
-  Vector3d relative(const std::vector<Twist>& twist) const {
-    const Twist &u = twist[a], &v = twist[b];
-    return u.head<3>() + u.tail<3>().cross(arm_a) - v.head<3>() - v.tail<3>().cross(arm_b);
-  }
-};
-
-void couplings(const Particles& p, const ContactParameters& law, std::span<const Contact> contacts,
-               std::vector<Coupling>& all) {
-  all.clear();
-  const ContactLaw& row = law_of(law);
-  for (const Contact& c : contacts) {
-    const Spring s = row.spring(law, p, c, c.overlap);
-    const double kt = law.friction > 0 ? s.tangential : 0;
-    all.push_back({c.a, c.b, c.point - p.position[c.a], c.point - p.position[c.b], c.normal, c.share * s.tangent,
-                   c.share * kt, s.damping, std::sqrt(kt / s.tangent) * s.damping});
-  }
-}
-
-Vector3d angular_response(const Particles& p, int i, const Vector3d& torque) {
-  const Eigen::Quaterniond& q = p.orientation[i];
-  return q * (q.conjugate() * torque).cwiseQuotient(p.inertia[i]);
-}
+constexpr int grain = 64; // contacts or bodies a worker takes at a time
 
 } // namespace
 
-double contact_step_limit(const Particles& p, const ContactParameters& law, std::span<const Contact> contacts) {
+ContactStepLimit::Mode& ContactStepLimit::Mode::operator+=(const Mode& o) {
+  k += o.k;
+  c += o.c;
+  m += o.m;
+  size = std::max(size, o.size);
+  return *this;
+}
+
+void ContactStepLimit::couple(const Particles& p, const ContactParameters& law, std::span<const Contact> contacts,
+                              Team& team) {
+  const ContactLaw& row = law_of(law);
+  couplings_.resize(contacts.size());
+  team.parallel_for(static_cast<int>(contacts.size()), grain, [&](int begin, int end, int) {
+    for (int i = begin; i < end; ++i) {
+      const Contact& c = contacts[i];
+      const Spring s = row.spring(law, p, c, c.overlap);
+      const double kt = law.friction > 0 ? s.tangential : 0;
+      couplings_[i] = {c.a,
+                       c.b,
+                       c.point - p.position[c.a],
+                       c.point - p.position[c.b],
+                       c.normal,
+                       c.share * s.tangent,
+                       c.share * kt,
+                       s.damping,
+                       std::sqrt(kt / s.tangent) * s.damping};
+    }
+  });
+}
+
+/// What the twists do to the springs and dashpots: their forces, weighted for a step (s) that is 0 if not known.
+ContactStepLimit::Mode ContactStepLimit::stretch(double h, Team& team) {
+  force_.resize(couplings_.size());
+  return block_sum(team, static_cast<int>(couplings_.size()), modes_, [&](int begin, int end, Mode& sum) {
+    for (int i = begin; i < end; ++i) {
+      const Coupling& each = couplings_[i];
+      const Twist &u = twist_[each.a], &w = twist_[each.b];
+      const Vector3d v = scale_ * (u.linear + u.angular.cross(each.arm_a) - w.linear - w.angular.cross(each.arm_b));
+      const Vector3d n = v.dot(each.normal) * each.normal, t = v - n;
+      sum.k += each.k * n.squaredNorm() + each.kt * t.squaredNorm();
+      sum.c += each.c * n.squaredNorm() + each.ct * t.squaredNorm();
+      const double wn = h > 0 ? h * each.k + 2 * each.c : each.k, wt = h > 0 ? h * each.kt + 2 * each.ct : each.kt;
+      force_[i] = wn * n + wt * t;
+    }
+  });
+}
+
+/// What these forces do to the bodies: the next twists.
+ContactStepLimit::Mode ContactStepLimit::respond(const Particles& p, const ContactList& contacts, Team& team) {
+  const Contact* const first = contacts.contacts().data();
+  return block_sum(team, p.size(), modes_, [&](int begin, int end, Mode& sum) {
+    for (int i = begin; i < end; ++i) {
+      if (p.fixed(i)) continue;
+      Vector3d force(0, 0, 0), torque(0, 0, 0);
+      contacts.for_body(i, [&](const Contact& c, bool is_a) {
+        const std::ptrdiff_t at = &c - first;
+        const Vector3d f = is_a ? force_[at] : (-force_[at]).eval();
+        force += f;
+        torque += (is_a ? couplings_[at].arm_a : couplings_[at].arm_b).cross(f);
+      });
+      Twist& twist = twist_[i];
+      const Eigen::Quaterniond& q = p.orientation[i];
+      const Vector3d spin = q.conjugate() * (scale_ * twist.angular);
+      sum.m += p.mass[i] * (scale_ * twist.linear).squaredNorm() + spin.cwiseProduct(p.inertia[i]).dot(spin);
+      twist = {p.inverse_mass[i] * force, q * (q.conjugate() * torque).cwiseQuotient(p.inertia[i])};
+      sum.size = std::max(sum.size, twist.linear.norm() + p.radius[i] * twist.angular.norm());
+    }
+  });
+}
+
+double ContactStepLimit::of(const Particles& p, const ContactParameters& law, const ContactList& contacts, Team& team) {
   constexpr int most_rounds = 200;
-  static thread_local std::vector<Coupling> all; // scratch memory that has grown stays
-  static thread_local std::vector<Twist> twist, load;
-  couplings(p, law, contacts, all);
-  twist.assign(p.size(), Twist::Zero());
-  load.assign(p.size(), Twist::Zero());
-  for (int i = 0; i < p.size(); ++i) // any start that no symmetry of a scene makes blind for a mode
-    if (!p.fixed(i))
-      for (int d = 0; d < 6; ++d) twist[i][d] = (1 + .1 * std::sin(7. * i + 3. * d)) / (d < 3 ? 1 : p.radius[i]);
+  couple(p, law, contacts.contacts(), team);
+  twist_.resize(p.size());
+  team.parallel_for(p.size(), grain, [&](int begin, int end, int) {
+    for (int i = begin; i < end; ++i) { // any start that no symmetry of a scene makes blind for a mode
+      const auto start = [i](int d) { return 1 + .1 * std::sin(7. * i + 3. * d); };
+      twist_[i] = p.fixed(i)
+                      ? Twist{}
+                      : Twist{{start(0), start(1), start(2)}, Vector3d(start(3), start(4), start(5)) / p.radius[i]};
+    }
+  });
+  scale_ = 1;
   double step = std::numeric_limits<double>::infinity();
   for (int round = 0; round < most_rounds; ++round) {
-    double k = 0, c = 0, m = 0; // of this mode: v.K v, v.C v, v.M v
-    const double h = std::isfinite(step) ? step : 0;
-    for (const Coupling& each : all) {
-      const Vector3d v = each.relative(twist), n = v.dot(each.normal) * each.normal, t = v - n;
-      k += each.k * n.squaredNorm() + each.kt * t.squaredNorm();
-      c += each.c * n.squaredNorm() + each.ct * t.squaredNorm();
-      const double wn = h > 0 ? h * each.k + 2 * each.c : each.k, wt = h > 0 ? h * each.kt + 2 * each.ct : each.kt;
-      const Vector3d f = wn * n + wt * t;
-      load[each.a] += (Twist() << f, each.arm_a.cross(f)).finished();
-      load[each.b] -= (Twist() << f, each.arm_b.cross(f)).finished();
-    }
-    double size = 0;
-    for (int i = 0; i < p.size(); ++i) {
-      if (p.fixed(i)) continue;
-      const Eigen::Quaterniond back = p.orientation[i].conjugate();
-      const Vector3d spin = back * twist[i].tail<3>();
-      m += p.mass[i] * twist[i].head<3>().squaredNorm() + spin.cwiseProduct(p.inertia[i]).dot(spin);
-      twist[i] << p.inverse_mass[i] * load[i].head<3>(), angular_response(p, i, load[i].tail<3>());
-      size = std::max(size, twist[i].head<3>().norm() + p.radius[i] * twist[i].tail<3>().norm());
-    }
-    for (int i = 0; i < p.size(); ++i) {
-      twist[i] = p.fixed(i) ? Twist::Zero().eval() : (twist[i] / size).eval();
-      load[i].setZero();
-    }
-    if (!(k > 0)) break;
-    k /= m, c /= m;
-    const double last = step;
+    Mode mode = stretch(std::isfinite(step) ? step : 0, team);
+    mode += respond(p, contacts, team);
+    if (!(mode.k > 0)) break;
+    scale_ = 1 / mode.size;
+    const double k = mode.k / mode.m, c = mode.c / mode.m, last = step;
     step = 4 / (c + std::sqrt(c * c + 4 * k)); // h^2 k + 2 h c = 4
     if (round > 10 && std::abs(step - last) < 1e-6 * step) break;
   }

@@ -66,9 +66,13 @@ void openmp_produce(Team& team, Producer producer, Consumer consumer) {
 
 void tbb_for(Team& team, int count, int grain, RangeBody body) {
   team.arena()->arena.execute([&] {
-    tbb::parallel_for(tbb::blocked_range<int>(0, count, grain), [&](const tbb::blocked_range<int>& r) {
-      body(r.begin(), r.end(), tbb::this_task_arena::current_thread_index());
-    });
+    // The same blocks for every number of threads: what is traced on one holds for more.
+    tbb::parallel_for(
+        tbb::blocked_range<int>(0, count, grain),
+        [&](const tbb::blocked_range<int>& r) {
+          body(r.begin(), r.end(), tbb::this_task_arena::current_thread_index());
+        },
+        tbb::simple_partitioner());
   });
 }
 

@@ -1,4 +1,5 @@
 #include "dem/simulation.hpp"
+#include "dem/block_sum.hpp"
 #include "dem/contact_law.hpp"
 #include "dem/contact_list.hpp"
 #include "dem/contact_step_limit.hpp"
@@ -16,7 +17,7 @@
 namespace trigrain {
 namespace {
 
-constexpr int grain = 128; // body pairs or bodies a worker takes at a time
+constexpr int grain = 64; // body pairs or bodies a worker takes at a time
 
 /// A phase of a step: adds the wall time of the scope, and tells who observes.
 class PhaseScope {
@@ -62,11 +63,12 @@ struct Simulation::State {
   ContactList contacts;
   Loads loads, next_loads, outside; // next_loads: what add_load() gathered for the next step; outside: of this step
   MiddleMotion motion;              // of the last kick
-  std::vector<ContactWork> work;    // of each contact in the last kick
+  std::vector<KickSums> sums;       // scratch
   Budget budget;
   double tangential_energy = 0, pending = 0; // J, of the last step's tangential springs; of the second half of its kick
   Momentum start_momentum;
   FastContact first_fast;
+  ContactStepLimit step_limit;
   std::int64_t contact_steps = 0;
   bool has_next_loads = false, pushed = false; // pushed: there was something from outside in the last step
   double time = 0;
@@ -118,8 +120,9 @@ struct Simulation::State {
   void detect(StepStats& stats);
   void merge(StepStats& stats);
   void forces(StepStats& stats);
-  void settle_budget();
-  void watch(StepStats& stats);
+  void add_loads_of(int body, Loads& old);
+  void settle_budget(const KickSums& kick);
+  void watch(StepStats& stats, const KickSums& kick);
   void integrate();
 };
 
@@ -159,57 +162,47 @@ void Simulation::State::forces(StepStats& stats) {
     outside = loads;
   }
   Loads& old = has_next_loads ? next_loads : loads; // what was added from outside stays
-  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
-    std::fill(old.force.begin() + begin, old.force.begin() + end, Eigen::Vector3d::Zero());
-    std::fill(old.torque.begin() + begin, old.torque.begin() + end, Eigen::Vector3d::Zero());
-    for (int body = begin; body < end; ++body)
-      if (!particles.fixed(body))
-        contacts.for_body(body, [&](const Contact& c, bool is_a) { add_contact_load(particles, c, is_a, loads); });
+  motion.resize(particles.size());
+  KickSums kick = block_sum(team, particles.size(), sums, [&](int begin, int end, KickSums& sum) {
+    for (int body = begin; body < end; ++body) add_loads_of(body, old);
+    motion.update(particles, loads, scene.gravity, step.kick(), begin, end);
+    add_weight(particles, scene.gravity, step.kick(), begin, end, sum.budget);
+    if (pushed) add_outside(particles, outside, motion, step.kick(), begin, end, sum.budget);
   });
   has_next_loads = false;
-  settle_budget();
-  watch(stats);
+  const std::span<const Contact> all = contacts.contacts();
+  kick += block_sum(team, static_cast<int>(all.size()), sums, [&](int begin, int end, KickSums& sum) {
+    add_contacts(all.subspan(begin, end - begin), particles, motion, step.kick(), sum);
+  });
+  settle_budget(kick);
+  watch(stats, kick);
+}
+
+/// Clears `old` of the body and adds the forces of its contacts to its loads.
+void Simulation::State::add_loads_of(int body, Loads& old) {
+  old.force[body] = old.torque[body] = Eigen::Vector3d::Zero();
+  if (!particles.fixed(body))
+    contacts.for_body(body, [&](const Contact& c, bool is_a) { add_contact_load(particles, c, is_a, loads); });
 }
 
 /// Books what the kick to come dissipates, and its impulse.
-void Simulation::State::settle_budget() {
-  const std::span<const Contact> all = contacts.contacts();
-  motion.resize(particles.size());
-  work.resize(all.size());
-  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
-    motion.update(particles, loads, scene.gravity, step.kick(), begin, end);
-  });
-  team.parallel_for(static_cast<int>(all.size()), grain, [&](int begin, int end, int) {
-    for (int c = begin; c < end; ++c) work[c] = work_of(all[c], particles, motion, step.kick());
-  });
-  double held = 0, released = 0;
-  pending = 0;
-  for (std::size_t c = 0; c < all.size(); ++c) {
-    budget.damping += work[c].damping;
-    budget.friction += work[c].friction;
-    pending += work[c].pending;
-    released += all[c].released;
-    held += all[c].tangential_stiffness / 2 * all[c].tangential.squaredNorm();
-    add_wall_impulse(particles, all[c], step.kick(), budget);
-  }
-  budget.friction += tangential_energy - held - released; // springs whose contacts ended
-  tangential_energy = held;
-  add_weight_impulse(particles, scene.gravity, step.kick(), budget);
-  if (!pushed) return;
-  budget.outside += work_of(outside, motion, step.kick());
-  add_impulse(particles, outside, step.kick(), budget);
+void Simulation::State::settle_budget(const KickSums& kick) {
+  budget += kick.budget;
+  budget.friction += tangential_energy - kick.held - kick.released; // springs whose contacts ended
+  tangential_energy = kick.held;
+  pending = kick.pending;
 }
 
 /// Looks for contacts that will not be stopped, and now and then for a step that is too long for the contacts.
-void Simulation::State::watch(StepStats& stats) {
+void Simulation::State::watch(StepStats& stats, const KickSums& kick) {
   constexpr int rarely = 256; // steps: costs as much as tens of steps' forces
-  for (const Contact& c : contacts.contacts()) {
-    if (!c.fast) continue;
-    ++stats.fast_contacts;
-    if (first_fast.a < 0) first_fast = fast_contact(particles, scene.contact, c, time);
+  stats.fast_contacts += kick.fast_contacts;
+  if (kick.fast_contacts > 0 && first_fast.a < 0) {
+    const auto fast = std::ranges::find_if(contacts.contacts(), &Contact::fast);
+    first_fast = fast_contact(particles, scene.contact, *fast, time);
   }
   if (contacts.contacts().empty() || contact_steps++ % rarely != 0) return;
-  stats.unstable_steps += step.now > trigrain::contact_step_limit(particles, scene.contact, contacts.contacts());
+  stats.unstable_steps += step.now > step_limit.of(particles, scene.contact, contacts, team);
 }
 
 void Simulation::State::integrate() {
@@ -277,7 +270,8 @@ Energy Simulation::energy() const {
           .elastic = elastic_energy(s.contacts.contacts()),
           .damping = s.budget.damping - s.pending,
           .friction = s.budget.friction,
-          .outside = s.budget.outside - (s.pushed ? work_of(s.outside, s.motion, s.step.kick()) / 2 : 0)};
+          .outside = s.budget.outside -
+                     (s.pushed ? work_of(s.outside, s.motion, s.step.kick(), 0, s.particles.size()) / 2 : 0)};
 }
 
 Momentum Simulation::momentum() const { return momentum_of(state_->particles); }
@@ -291,7 +285,8 @@ Momentum Simulation::momentum_error() const {
 
 const FastContact& Simulation::first_fast_contact() const { return state_->first_fast; }
 double Simulation::contact_step_limit() const {
-  return trigrain::contact_step_limit(state_->particles, state_->scene.contact, state_->contacts.contacts());
+  State& s = *state_;
+  return s.step_limit.of(s.particles, s.scene.contact, s.contacts, s.team);
 }
 
 /// FNV-1a over 8-byte words.

@@ -1,5 +1,4 @@
 #include "experiments/stability/rules.hpp"
-#include "dem/contact_step_limit.hpp"
 #include "experiments/stability/setups.hpp"
 #include <algorithm>
 #include <cmath>
@@ -31,7 +30,7 @@ double safe_step(Scene scene, const StudyRequest& request) {
     if (!body.fixed) body.position.y() -= 1e-6 * body.position.y();
   Simulation sim(scene, with(request));
   sim.step();
-  return std::min(step, contact_step_limit(sim.particles(), scene.contact, sim.contacts()) / 5);
+  return std::min(step, sim.contact_step_limit() / 5);
 }
 
 /// How a cube stands, falls and rebounds on its face.
@@ -60,7 +59,7 @@ FaceContact face_contact(const StudyRequest& request, int cut) {
   }
   found.contact_time = touched;
   found.restitution = rebound.particles().velocity[1].y() / speed;
-  found.critical_step = contact_step_limit(standing.particles(), still.contact, standing.contacts());
+  found.critical_step = standing.contact_step_limit();
   return found;
 }
 
