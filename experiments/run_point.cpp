@@ -189,8 +189,8 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
 
   const Scheme& scheme = row_named(schemes(), "scheme", request.options.scheme);
   const bool default_runtime = request.options.runtime == Options{}.runtime;
-  point.placement = observe_placement(default_runtime ? std::string(scheme.runtime) : request.options.runtime,
-                                      request.options.threads);
+  const std::string runtime = default_runtime ? std::string(scheme.runtime) : request.options.runtime;
+  point.placement = observe_placement(runtime, request.options.threads);
   if (point.placement["oversubscribed"]) point.warnings.push_back("more threads than cores: not a measurement");
 
   const std::int64_t steps = request.steps.value_or(20);
@@ -215,7 +215,8 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
     if (!request.trace.empty()) {
       std::int64_t moving = 0;
       for (const Body& body : point.scene.bodies) moving += !body.fixed;
-      point.trace = trace.chrome_json({{"params", point.params}, {"moving_bodies", moving}, {"steps", trace.steps()}});
+      point.trace = trace.chrome_json(
+          {{"params", point.params}, {"runtime", runtime}, {"moving_bodies", moving}, {"steps", trace.steps()}});
       point.warnings.push_back("work was traced: up to 2 % slower");
     }
     const Sample& last = point.samples.back();

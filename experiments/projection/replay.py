@@ -1,23 +1,9 @@
 """List scheduling of traced sections on P workers, and the bounds that hold for every schedule."""
 import heapq
 from collections import deque
-from dataclasses import dataclass
 
+from projection.machine import Machine
 from projection.trace import Piece, Section
-
-
-@dataclass(frozen=True)
-class Machine:
-    """What the replay knows of the machine it is for (us; B/us)."""
-    spawn_us: float = 0.2  # burden of a task that another worker takes
-    barrier_us: float = 1.0  # per section, times log2 of the workers
-    one_thread_share: float = 0.0  # of the memory bandwidth of a socket that one thread of this run needs
-    cores_per_socket: int = 1 << 30
-
-    def slowdown(self, workers: int) -> float:
-        """Roofline: work cannot be faster than the bandwidth of the sockets in use allows."""
-        sockets = -(-workers // self.cores_per_socket)
-        return max(1.0, self.one_thread_share * workers / sockets)
 
 
 def span(section: Section, burden: float = 0.0) -> float:
@@ -37,16 +23,16 @@ def span(section: Section, burden: float = 0.0) -> float:
 
 
 def makespan(section: Section, workers: int, machine: Machine) -> float:
-    """Time (us) that the section takes on so many workers."""
+    """Time (us) that the section takes on so many workers, with what the machine charges for sharing it out."""
     if section.kind == "serial":
         return section.work()
-    slow = machine.slowdown(workers)
-    barrier = machine.barrier_us * max(0, workers - 1).bit_length()
     if workers == 1:
-        return section.work()
-    if section.kind == "loop":
-        return slow * _dealt_out(section, workers) + barrier
-    return slow * _stolen(section, workers, machine.spawn_us) + barrier
+        return section.work() + machine.overhead_of_one(section)
+    slow = machine.slowdown(workers)
+    if section.kind == "tasks":
+        return slow * _taken(section, workers, machine.stolen_us) + machine.barrier(workers)
+    dealt = machine.runtime == "openmp"
+    return slow * (_dealt_out(section, workers) if dealt else _taken(section, workers, 0.0)) + machine.barrier(workers)
 
 
 def _dealt_out(section: Section, workers: int) -> float:
@@ -57,8 +43,8 @@ def _dealt_out(section: Section, workers: int) -> float:
     return max(load)
 
 
-def _stolen(section: Section, workers: int, burden: float) -> float:
-    """Greedy: a worker goes on with its own newest piece, an idle one takes the oldest that is waiting."""
+def _taken(section: Section, workers: int, burden: float) -> float:
+    """Greedy: a worker goes on with its own piece, an idle one takes the oldest that is waiting."""
     waiting: deque[Piece] = deque(section.roots)
     idle = list(range(workers))
     running: list[tuple[float, int, int, Piece]] = []  # end, ticket, worker, piece

@@ -37,6 +37,11 @@ class Trace:
     walls: list[float]  # us, per step: first begin to last end
     threads: int
 
+    @property
+    def runtime(self) -> str:
+        """What ran it, so that its loops are dealt out alike."""
+        return self.about.get("runtime", "tbb")
+
 
 def load_trace(path: Path) -> Trace:
     """TraceError if the file is not what dem_bench --trace writes."""
