@@ -6,30 +6,32 @@ namespace trigrain {
 /// A triangle with what its 15 comparisons share. Weights of a point's projection on its plane are v = r.to_v, w =
 /// r.to_w with r = point - corner[0]; `outside` is 2 for a zero-area triangle, whose face has no inside, else 0.
 template <class T> struct PreparedTriangle {
-  Corners<T> corner, edge; ///< edge k leads from corner k to corner k + 1
+  Corners<T> edge; ///< edge k leads from corner k to corner k + 1
   std::array<T, 3> edge2, inverse_edge2;
   Vec3<T> normal, to_v, to_w; ///< normal = edge[0] x -edge[2], not of unit length
   T outside;
+  MaskOf<T> slim; ///< height below 0.03 of an edge: heights over the face are too inexact to choose a corner by
   MaskOf<T> thin; ///< height below 1e-7 of the edges: weights on the face have lost digits that a double's answer needs
 };
 
 template <class T> [[gnu::always_inline]] inline PreparedTriangle<T> prepared(const Corners<T>& c) {
   PreparedTriangle<T> t;
-  t.corner = c;
   t.edge = {c[1] - c[0], c[2] - c[1], c[0] - c[2]};
   for (int k = 0; k < 3; ++k) {
     t.edge2[k] = squared(t.edge[k]);
-    t.inverse_edge2[k] = inverse_or_zero(t.edge2[k]);
+    t.inverse_edge2[k] = T(1) / max(t.edge2[k], constant<T>(std::numeric_limits<ScalarOf<T>>::min()));
   }
   const Vec3<T> f = c[2] - c[0];
   t.normal = cross(t.edge[0], f);
   const T nn = squared(t.normal);
-  const auto flat = nn <= constant<T>(cross_noise<T>) * t.edge2[0] * t.edge2[2];
+  const T ee = t.edge2[0] * t.edge2[2];
+  const auto flat = nn <= constant<T>(cross_noise<T>) * ee;
   const T inverse_nn = select(flat, T(0), inverse_or_zero(nn));
   t.to_v = inverse_nn * cross(f, t.normal);
   t.to_w = inverse_nn * cross(t.normal, t.edge[0]);
   t.outside = select(flat, T(2), T(0));
-  t.thin = nn < constant<T>(1e-14) * t.edge2[0] * t.edge2[2];
+  t.slim = nn < constant<T>(1e-3) * ee;
+  t.thin = nn < constant<T>(1e-14) * ee;
   return t;
 }
 
@@ -39,33 +41,51 @@ template <class T> [[gnu::always_inline]] inline PreparedTriangle<T> prepared(co
 template <class T> struct NearestFeature {
   T distance2, number, s, t;
 
-  [[gnu::always_inline]] void compare(const T& d2, int other, const T& other_s, const T& other_t) {
+  [[gnu::always_inline]] void compare(const T& d2, const T& other, const T& other_s, const T& other_t) {
     const auto nearer = d2 < distance2;
     distance2 = min(distance2, d2);
-    number = select(nearer, T(other), number);
+    number = select(nearer, other, number);
     s = select(nearer, other_s, s);
     t = select(nearer, other_t, t);
   }
 };
 
-/// As closest_on_segments() (segment.hpp), with r = b0 - a0.
-template <class T> [[gnu::always_inline]] inline void
-compare_edges(const PreparedTriangle<T>& a, int k, const PreparedTriangle<T>& b, int l, NearestFeature<T>& best) {
-  const Vec3<T>&u = a.edge[k], &v = b.edge[l], r = b.corner[l] - a.corner[k], n = cross(u, v);
-  const T nn = squared(n), uv = dot(u, v), ru = dot(r, u), rv = dot(r, v);
-  const auto crosses = nn > constant<T>(cross_noise<T>) * a.edge2[k] * b.edge2[l];
-  const T on_lines = dot(cross(r, v), n) / select(crosses, nn, T(1));
-  const T s0 = select(crosses, clamp01(on_lines), T(0));
-  const T t = clamp01((uv * s0 - rv) * b.inverse_edge2[l]);
-  const T s = clamp01((uv * t + ru) * a.inverse_edge2[k]);
-  best.compare(squared(r + t * v - s * u), 3 * k + l, s, t);
+/// The corners of A, seen from corner l of B, along edge l of B (in edge lengths) and across it (m).
+template <class T> struct CornersAlongEdge {
+  Corners<T> r, across;
+  std::array<T, 3> along;
+};
+
+template <class T> [[gnu::always_inline]] inline CornersAlongEdge<T>
+corners_along_edge(const Corners<T>& a, const Vec3<T>& corner_b, const PreparedTriangle<T>& b, int l) {
+  CornersAlongEdge<T> c;
+  for (int k = 0; k < 3; ++k) {
+    c.r[k] = a[k] - corner_b;
+    c.along[k] = dot(c.r[k], b.edge[l]) * b.inverse_edge2[l];
+    c.across[k] = c.r[k] - c.along[k] * b.edge[l];
+  }
+  return c;
+}
+
+/// Edge k of A against edge l of B. Across the direction of edge l, edge k is a segment and the line of edge l a point,
+/// whose closest share s0 is good to rounding at any angle; then both shares are clamped in turn. Parallel edges: any
+/// s0 leads to a closest pair.
+template <class T>
+[[gnu::always_inline]] inline void compare_edges(const PreparedTriangle<T>& a, int k, const PreparedTriangle<T>& b,
+                                                 int l, const CornersAlongEdge<T>& c, NearestFeature<T>& best) {
+  const int next = (k + 1) % 3;
+  const Vec3<T>&u = a.edge[k], w = c.across[next] - c.across[k];
+  const T s0 = clamp01(-dot(c.across[k], w) / max(squared(w), constant<T>(std::numeric_limits<ScalarOf<T>>::min())));
+  const T t = clamp01(c.along[k] + s0 * (c.along[next] - c.along[k]));
+  const Vec3<T> y = c.r[k] - t * b.edge[l];
+  const T s = clamp01(-dot(y, u) * a.inverse_edge2[k]);
+  best.compare(squared(y + s * u), T(3 * k + l), s, t);
 }
 
 /// A corner against a face, where it projects inside: with the rounding of the first projection projected again
-/// (project_twice, point_triangle.hpp).
-template <class T> [[gnu::always_inline]] inline void
-compare_corner(const Vec3<T>& corner, const PreparedTriangle<T>& t, int number, NearestFeature<T>& best) {
-  const Vec3<T> r = corner - t.corner[0];
+/// (project_twice, point_triangle.hpp). r leads from the face's corner 0 to the corner.
+template <class T> [[gnu::always_inline]] inline void compare_corner(const Vec3<T>& r, const PreparedTriangle<T>& t,
+                                                                     const T& number, NearestFeature<T>& best) {
   const T v1 = dot(r, t.to_v), w1 = dot(r, t.to_w);
   const Vec3<T> rest = r - v1 * t.edge[0] + w1 * t.edge[2];
   const T v2 = dot(rest, t.to_v), w2 = dot(rest, t.to_w), v = v1 + v2, w = w1 + w2;
@@ -74,18 +94,40 @@ compare_corner(const Vec3<T>& corner, const PreparedTriangle<T>& t, int number, 
   best.compare(select(inside, d2, T(std::numeric_limits<ScalarOf<T>>::max())), number, v, w);
 }
 
-template <class T> [[gnu::always_inline]] inline NearestFeature<T> nearest_feature(const PreparedTriangle<T>& a,
-                                                                                   const PreparedTriangle<T>& b) {
+/// The corners of triangle c against the face of t. Where a corner's projection is closest, no other corner is lower:
+/// one comparison does.
+template <class T> [[gnu::always_inline]] inline void compare_corners(const Corners<T>& c, const Vec3<T>& corner_t,
+                                                                      const PreparedTriangle<T>& t, int number,
+                                                                      NearestFeature<T>& best) {
+  const Corners<T> r{c[0] - corner_t, c[1] - corner_t, c[2] - corner_t};
+  Vec3<T> lowest = r[0];
+  T height = abs(dot(r[0], t.normal)), which(number);
+  for (int k = 1; k < 3; ++k) {
+    const T other = abs(dot(r[k], t.normal));
+    const auto lower = other < height;
+    height = min(height, other);
+    lowest = select(lower, r[k], lowest);
+    which = select(lower, T(number + k), which);
+  }
+  compare_corner(lowest, t, which, best);
+}
+
+template <class T> [[gnu::always_inline]] inline NearestFeature<T>
+nearest_feature(const TrianglePair<T>& pair, const PreparedTriangle<T>& a, const PreparedTriangle<T>& b) {
   NearestFeature<T> best{T(std::numeric_limits<ScalarOf<T>>::max()), T(0), T(0), T(0)};
 #pragma GCC unroll 3
-  for (int k = 0; k < 3; ++k)
+  for (int l = 0; l < 3; ++l) {
+    const CornersAlongEdge<T> c = corners_along_edge(pair.a, pair.b[l], b, l);
 #pragma GCC unroll 3
-    for (int l = 0; l < 3; ++l) compare_edges(a, k, b, l, best);
-#pragma GCC unroll 3
-  for (int k = 0; k < 3; ++k) {
-    compare_corner(a.corner[k], b, 9 + k, best);
-    compare_corner(b.corner[k], a, 12 + k, best);
+    for (int k = 0; k < 3; ++k) compare_edges(a, k, b, l, c, best);
   }
+  compare_corners(pair.a, pair.b[0], b, 9, best);
+  compare_corners(pair.b, pair.a[0], a, 12, best);
+  if (any_of(a.slim | b.slim))
+    for (int k = 0; k < 3; ++k) {
+      compare_corner(pair.a[k] - pair.b[0], b, T(9 + k), best);
+      compare_corner(pair.b[k] - pair.a[0], a, T(12 + k), best);
+    }
   return best;
 }
 
@@ -94,7 +136,7 @@ template <class T> [[gnu::always_inline]] inline Weights<T> weights_of(const Nea
   const T zero(0), one(1);
   const auto is = [&](int number) { return f.number == T(number); };
   const auto below = [&](int number) { return f.number < T(number); };
-  const MaskOf<T> edges = below(9), corner_b = !below(12), corner_a = !edges & !corner_b;
+  const MaskOf<T> edges = below(9), corner_b = !below(12), corner_a = !(edges | corner_b);
   // which edge of A (0, 1, 2) and of B, where edges
   const MaskOf<T> a0 = below(3), a1 = below(6) & !a0, b0 = is(0) | is(3) | is(6), b1 = is(1) | is(4) | is(7);
   const auto on_edge_v = [&](const auto& e0, const auto& e1, const T& s) {
@@ -119,7 +161,8 @@ template <class T> struct ClosestWeights {
 
 template <class T> [[gnu::always_inline]] inline ClosestWeights<T> closest_weights(const TrianglePair<T>& pair) {
   const PreparedTriangle<T> a = prepared(pair.a), b = prepared(pair.b);
-  return {weights_of(nearest_feature(a, b)), a.thin | b.thin};
+  const MaskOf<T> doubtful = a.thin | b.thin;
+  return {weights_of(nearest_feature(pair, a, b)), doubtful};
 }
 
 } // namespace trigrain

@@ -22,10 +22,16 @@ template <class T> [[gnu::always_inline]] inline Solved<T> solved(const Triangle
   const auto [z, thin] = closest_weights(pair);
   const auto [p, q] = points_at(pair, z);
   const T distance = sqrt(squared(p - q)), lower = min(proven_gap(gap_along(p - q, pair), pair.extent), distance);
-  Solved<T> s{.answer = {p, q, distance, lower, distance + rounding, feature_of(z)},
-              .within = bits_of(distance <= reach),
-              .doubtful = bits_of(!(distance + rounding + rounding <= reach) & !(lower > reach + rounding)),
-              .touching = 0};
+  Solved<T> s;
+  s.answer.p = p;
+  s.answer.q = q;
+  s.answer.distance = distance;
+  s.answer.lower = lower;
+  s.answer.upper = distance + rounding;
+  s.answer.feature = feature_of(z);
+  s.within = bits_of(distance <= reach);
+  s.doubtful = bits_of(!((distance + rounding + rounding <= reach) | (lower > reach + rounding)));
+  s.touching = 0;
   if (std::is_same_v<ScalarOf<T>, double>) s.doubtful |= bits_of(thin & (distance <= reach + rounding));
   if (const auto open = !(lower > T(0)); any_of(open)) {
     const Pierced<T> pierced = pierce(pair);

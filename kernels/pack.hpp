@@ -24,11 +24,10 @@ template <class T> class PairPack {
   explicit PairPack(const PairList& list) : index_(list.pairs) {
     // Sorted lists and lists of all pairs give packs of one triangle, or of neighbours, of either side: these are
     // cheap.
-    const bool one_a = is_run(&PairIndex::i, 0), run_a = is_run(&PairIndex::i, 1), run_b = is_run(&PairIndex::j, 1);
     const auto [i, j] = index_[0];
-    if (one_a && run_b)
+    if (is_run(0, 1))
       load(One{list.a, i}, Run{list.b, j});
-    else if (run_a && run_b)
+    else if (is_run(1, 1))
       load(Run{list.a, i}, Run{list.b, j});
     else
       load(Scattered(list.a, *this, &PairIndex::i), Scattered(list.b, *this, &PairIndex::j));
@@ -87,11 +86,13 @@ template <class T> class PairPack {
  private:
   using Column = std::array<double, lanes>;
 
-  /// Do the lanes hold triangle k, k + step, k + 2 step, ... of one side?
-  bool is_run(int PairIndex::*side, int step) const {
+  /// Do the lanes hold triangles i, i + step_i, i + 2 step_i, ... and j, j + step_j, j + 2 step_j, ...?
+  bool is_run(int step_i, int step_j) const {
     if (size() < lanes) return false;
+    const auto [i, j] = index_[0];
     int other = 0;
-    for (int lane = 0; lane < lanes; ++lane) other |= index_[lane].*side ^ (index_[0].*side + step * lane);
+    for (int lane = 0; lane < lanes; ++lane)
+      other |= (index_[lane].i ^ (i + step_i * lane)) | (index_[lane].j ^ (j + step_j * lane));
     return other == 0;
   }
 
