@@ -1,108 +1,167 @@
 #!/usr/bin/python3
-"""Puts tools/regress to the test: builds this commit as it is, with one kernel 5 % slower, and with one phase 5 % slower, and
-counts how often each is found, and how often two identical builds are called slower, while another process loads a core.
-exit codes: 0 found in every try and at most 1 false alarm in 20, 1 otherwise, 4 environment"""
+"""Puts the decision of tools/regress to the test: builds this commit as it is, with one kernel 5 % slower, and with one phase 5 %
+slower, and counts how often each is found, and how often two identical builds are called slower, while another process loads
+a core. What came out is kept in RESULTS/regression_trial.json for the report; after --minutes, the same command goes on.
+exit codes: 0 found in every try and at most 1 false alarm in 20, 1 otherwise, 2 not all tries are done, 3 usage, 4 environment"""
 import argparse
 import json
 import subprocess
 import sys
 import tempfile
+import time
+from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "experiments"))
+from sweep.bench import find_bench  # noqa: E402
+from sweep.decision import SLOWER  # noqa: E402
+from sweep.regression import compare_builds  # noqa: E402
+from sweep.spec import read_spec  # noqa: E402
+from sweep.store import now, write_json  # noqa: E402
+
+SOURCE = ROOT / "build/regress/trial"
+SCHEMA = "trigrain-regression-trial-1"
 SPEC = {"title": "Trial", "fixed": {
     "scene": "hopper-dense", "halo": "published", "particles": 64, "vertices": 10, "kernel": "hybrid-pair", "precheck": "none",
     "grid": "regular", "contact_rule": "all-pairs", "scheme": "serial", "threads": 1, "steps": 20, "repeats": 3,
     "check_steps": 1}}
 # name -> file, text, what takes its place
+SOLVE = "  narrow.kernel->closest(list.part(first, count), {.reach = buffer.reach}, hits, buffer.kernel);\n"
+MERGE = "    s.merge(stats);\n"
 INJECTED = {
-    "kernel": ("dem/narrow_phase.cpp", "  if (buffer.hits.empty()) return;\n", """
+    "kernel": ("dem/narrow_phase.cpp", SOLVE, SOLVE + """
   if (static int calls = 0; narrow.kernel->name == "hybrid-pair" && ++calls % 20 == 0) {
-    Hits thrown_away;
+    static Hits thrown_away;
+    thrown_away.clear();
     KernelCounts not_counted;
-    narrow.kernel->closest({a.triangles.view(), candidates.b.view(), candidates.pairs}, {.reach = buffer.reach}, thrown_away,
-                           not_counted);
+    narrow.kernel->closest(list.part(first, count), {.reach = buffer.reach}, thrown_away, not_counted);
   }
-  if (buffer.hits.empty()) return;
 """),
-    "phase": ("dem/simulation.cpp", "    s.merge(stats);\n", """
-    s.merge(stats);
+    "phase": ("dem/simulation.cpp", MERGE, MERGE + """
     double spent = 0;
     for (const double seconds : stats.seconds) spent += seconds;
     const auto begin = std::chrono::steady_clock::now();
     while (std::chrono::steady_clock::now() - begin < std::chrono::duration<double>(0.05 * spent)) {
     }
 """)}
+SAME = "same"
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tries", type=int, default=10, help="of each slow-down; identical pairs: twice as many")
-    parser.add_argument("--pairs", type=int, default=30, help="runs of each build in a try: %(default)s")
+    parser.add_argument("--pairs", type=int, default=30, help="runs of each build in a try: %(default)s, as in tools/regress")
+    parser.add_argument("--minutes", type=float, default=1e9, help="begin no try after so many; 0 only builds")
+    parser.add_argument("--fresh", action="store_true", help="build anew and forget the tries there are")
+    parser.add_argument("--results", type=Path, default=ROOT / "results", help="default: %(default)s")
+    parser.error = lambda message: parser.exit(3, f"{message} (regression_trial). See --help.\n")
     options = parser.parse_args()
-    folders = build_all()
+    end = time.monotonic() + 60 * options.minutes
+    kept = options.results / "regression_trial.json"
+    trial = None if options.fresh else read_trial(kept, options.pairs)
+    if trial is None:
+        trial = {"schema": SCHEMA, "started_utc": now(), "commit": build_all(), "pairs": options.pairs, "machine": None, "tries": []}
     load = subprocess.Popen([sys.executable, "-c", "while True: pass"])
     try:
         with tempfile.TemporaryDirectory() as place:
-            spec = Path(place) / "trial.json"
-            spec.write_text(json.dumps(SPEC))
-            found = {name: tally(folders["same"], folders[name], spec, options.pairs, tries) for name, tries in (
-                ("kernel", options.tries), ("phase", options.tries), ("same", 2 * options.tries))}
+            for name in missing(trial, options.tries):
+                if time.monotonic() > end:
+                    break
+                trial["tries"].append(one_try(name, Path(place), trial))
+                write_json(kept, trial)
     finally:
         load.kill()
-    good = all(found[name]["slower"] == options.tries for name in INJECTED) and found["same"].get("slower", 0) <= 1
-    return 0 if good else 1
+    return verdict(trial, options.tries)
 
 
-def tally(base: Path, head: Path, spec: Path, pairs: int, tries: int) -> dict[str, int]:
-    """Verdicts of so many calls of tools/regress."""
-    verdicts: dict[str, int] = {"slower": 0}
-    for number in range(tries):
-        done = subprocess.run([ROOT / "tools/regress", base, head, "--spec", spec, "--pairs", str(pairs)], capture_output=True,
-                              text=True, check=False)
-        verdict = {0: "not slower", 1: "slower", 2: "unstable"}.get(done.returncode)
-        if verdict is None:
-            sys.exit(f"tools/regress failed: {done.stderr}")
-        verdicts[verdict] = verdicts.get(verdict, 0) + 1
-        print(f"{head.name} {number + 1}/{tries}: {done.stdout.splitlines()[0]}", flush=True)
-    print(f"{head.name}: {verdicts}", flush=True)
-    return verdicts
+def read_trial(path: Path, pairs: int) -> dict | None:
+    """What an earlier call left unfinished; None if there is nothing to go on with."""
+    try:
+        trial = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    built = all((SOURCE / "bin" / name / "dem_bench").exists() for name in (SAME, *INJECTED))
+    return trial if built and trial.get("schema") == SCHEMA and trial["pairs"] == pairs else None
 
 
-def build_all() -> dict[str, Path]:
-    """Folders with dem_bench: as committed, and with each slow-down."""
-    source = ROOT / "build/regress/trial"
+def missing(trial: dict, tries: int) -> list[str]:
+    """The tries that are not done, the kinds in turn: what the machine does meanwhile hits all alike."""
+    done = Counter(each["build"] for each in trial["tries"])
+    turns = [name for number in range(tries) for name in (SAME, "kernel", SAME, "phase")]
+    for name, number in done.items():
+        for _ in range(min(number, turns.count(name))):
+            turns.remove(name)
+    return turns
+
+
+def one_try(name: str, place: Path, trial: dict) -> dict:
+    """The programs as they are against those named so, as tools/regress compares them."""
+    path = place / "trial.json"
+    path.write_text(json.dumps(SPEC), encoding="utf-8")
+    spec = read_spec(path)
+    benches = tuple(find_bench(spec.program, SOURCE / "bin" / each, ROOT) for each in (SAME, name))
+    began = time.monotonic()
+    found, = compare_builds(spec, benches, None, trial["pairs"], lambda text: print(f"{name}: {text}", flush=True))
+    if found.decision is None:
+        sys.exit(f"a build does not run: {found.why}")
+    trial["machine"] = found.before.machine
+    return {"build": name, "verdict": found.verdict, "change": found.decision.change, "p": found.decision.p,
+            "noise": found.decision.noise, "why": found.why, "took_s": round(time.monotonic() - began, 1)}
+
+
+def verdict(trial: dict, tries: int) -> int:
+    """Prints the counts; returns the exit code."""
+    for name in (SAME, *INJECTED):
+        print(f"{name}: {dict(Counter(each['verdict'] for each in trial['tries'] if each['build'] == name))}")
+    slower = Counter(each["build"] for each in trial["tries"] if each["verdict"] == SLOWER)
+    left = missing(trial, tries)
+    if left:
+        print(f"{len(left)} tries are left; the same command goes on")
+        return 2
+    return 0 if all(slower[name] >= tries for name in INJECTED) and slower[SAME] <= 1 else 1
+
+
+def build_all() -> str:
+    """Makes folders with dem_bench, as committed and with each slow-down; returns the commit."""
+    commit = run("git", "-C", ROOT, "rev-parse", "HEAD").strip()
     run("git", "-C", ROOT, "worktree", "prune")
-    if not source.exists():
-        run("git", "-C", ROOT, "worktree", "add", "--detach", source, "HEAD")
-    run("git", "-C", source, "checkout", "--quiet", "--force", "--detach", subprocess.run(
-        ["git", "-C", ROOT, "rev-parse", "HEAD"], capture_output=True, text=True, check=True).stdout.strip())
-    run("cmake", "-S", source, "--preset", "release", "-DTRIGRAIN_TESTS=OFF")
-    folders = {}
-    for name in ("same", *INJECTED):
+    if not SOURCE.exists():
+        run("git", "-C", ROOT, "worktree", "add", "--detach", SOURCE, "HEAD")
+    run("git", "-C", SOURCE, "checkout", "--quiet", "--force", "--detach", commit)
+    run("cmake", "-S", SOURCE, "--preset", "release", "-DTRIGRAIN_TESTS=OFF")
+    for name in (SAME, *INJECTED):
+        print(f"building {name}", flush=True)
         if name in INJECTED:
             file, text, slower = INJECTED[name]
-            before = (source / file).read_text()
+            before = (SOURCE / file).read_text()
             if before.count(text) != 1:
-                sys.exit(f"the place of the slow-down is not there ({file}: {text.strip()}). Bring this program up to date.")
-            (source / file).write_text(before.replace(text, slower))
-        run("cmake", "--build", source / "build/release", "--target", "dem_bench")
-        folders[name] = source / "bin" / name
-        folders[name].mkdir(parents=True, exist_ok=True)
-        (folders[name] / "dem_bench").unlink(missing_ok=True)
-        run("cp", source / "build/release/bin/dem_bench", folders[name])
+                print(f"the place of the slow-down is not there ({file}: {text.strip()}). Bring this program up to date.",
+                      file=sys.stderr)
+                sys.exit(4)
+            (SOURCE / file).write_text(before.replace(text, slower))
+        run("cmake", "--build", SOURCE / "build/release", "--target", "dem_bench")
+        folder = SOURCE / "bin" / name
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "dem_bench").unlink(missing_ok=True)
+        run("cp", SOURCE / "build/release/bin/dem_bench", folder)
         if name in INJECTED:
-            (source / file).write_text(before)
-    return folders
+            (SOURCE / file).write_text(before)
+    return commit
 
 
-def run(*words: object) -> None:
-    done = subprocess.run(list(map(str, words)), cwd=ROOT / "build/regress/trial" if words[0] == "cmake" else None,
-                          capture_output=True, text=True, check=False)
+def run(*words: object) -> str:
+    """What the command prints; ends the program where it fails."""
+    done = subprocess.run(list(map(str, words)), cwd=SOURCE if words[0] == "cmake" else None, capture_output=True, text=True,
+                          check=False)
     if done.returncode != 0:
         print(done.stdout[-2000:] + done.stderr[-2000:], file=sys.stderr)
         sys.exit(4)
+    return done.stdout
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)

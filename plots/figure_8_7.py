@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Figure 8.7 of Krestenitis (2018): what the threads do during a step of the producer-consumer scheme."""
+import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
 

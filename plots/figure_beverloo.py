@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Discharge rate of a bin over its opening, to the power 2/5, with a line fitted as Beverloo et al. (1961) propose."""
+import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
 

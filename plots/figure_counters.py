@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from figure import COLOURS, GREY, STYLE, Drawn, command_line, credit, save
-from records import DRAWN, Point, Sweep, load_sweep
-from scaling import PUBLISHED
+from published import table_1
+from records import DRAWN, EXPECTED, Point, Sweep, load_sweep
 
 NAME = "figure_counters"
 SCHEMA = "trigrain-counters-1"
@@ -27,7 +27,7 @@ HEADER = ["kernel", "phase", "quantity", "per step", "unit", "source", "reason"]
 def draw(results: Path, out: Path) -> Drawn:
     """Reads RESULTS/figure_counters and its counters, writes OUT/figure_counters.svg, .png and .csv."""
     sweep = load_sweep(results, NAME)
-    points = sweep.drawn()
+    points = [point for point in sweep.points if point.state in (DRAWN, EXPECTED)]
     counters = {point.id: load_counters(sweep.folder / "counters" / f"{point.id}.json", point) for point in points}
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(10, 6.8))
@@ -52,7 +52,9 @@ def load_counters(path: Path, point: Point) -> dict:
 
 
 def times(point: Point) -> dict[str, float]:
-    """us per step and phase, of the sample with the median time."""
+    """us per step and phase, of the sample with the median time; nothing of a baseline whose answers are wrong."""
+    if point.state != DRAWN:
+        return {}
     samples = sorted(point.record["samples"], key=lambda sample: sample["wall_s"] / sample["steps"])
     sample = samples[(len(samples) - 1) // 2]
     return {phase: 1e6 * sample["phases_s"][phase] / sample["steps"] for phase in PHASES}
@@ -79,7 +81,7 @@ def stacked(axis: Axes, points: list[Point], title: str, parts_of) -> None:
             axis.bar(place, share, 0.6, bottom, color=colours[phase], label=None if phase in seen else phase)
             seen[phase] = None
             bottom += share
-        text = f"{whole:,.3g}" if parts else "unavailable"
+        text = f"{whole:,.3g}" if parts else "unavailable" if point.state == DRAWN else "answers wrong:\nnot timed"
         axis.text(place, bottom, text, ha="center", va="bottom", fontsize=8.5, color="black" if parts else GREY)
     axis.set_xticks(range(len(points)), [point.params["kernel"] for point in points])
     axis.set(ylabel="share (%)", title=title, xlim=(-0.5, len(points) - 0.5), ylim=(0, 112))
@@ -104,18 +106,14 @@ def table(axis: Axes, points: list[Point], counters: dict[str, dict]) -> None:
 
 def published() -> list[list[str]]:
     """Rows of the printed table: one core of a Sandy Bridge at 2 GHz, seconds for all its pairs."""
-    figures = json.loads(PUBLISHED.read_text(encoding="utf-8"))["figures"]
-    series = next(figure for figure in figures if figure["id"] == "P17.T1")["series"]
-    found = []
-    for each in series:
-        values = dict(each["points"])
-        found.append([f"P17: {each['label']}", f"{values['runtime_s']:g} s", f"{values['mflops_per_s']:,g}", f"{values['cpi']:g}",
-                      f"{values['bandwidth_mb_per_s']:,g}", "likwid"])
-    return found
+    return [[f"P17: {label}", f"{values['runtime_s']:g} s", f"{values['mflops_per_s']:,g}", f"{values['cpi']:g}",
+             f"{values['bandwidth_mb_per_s']:,g}", "likwid"] for label, values in table_1().items()]
 
 
 def table_row(point: Point, counters: dict) -> list[tuple[str, str]]:
     """Names and texts of a row of table 1."""
+    if point.state != DRAWN:
+        return [("runtime", "answers wrong: not timed"), ("MFLOP/s", "-"), ("CPI", "-"), ("bandwidth", "-")]
     seconds = statistics.median(sample["wall_s"] / sample["steps"] for sample in point.record["samples"])
 
     def per_step(name: str) -> float | None:
@@ -140,6 +138,9 @@ def rows(points: list[Point], counters: dict[str, dict]) -> list[list]:
     table_rows: list[list] = []
     for point in points:
         kernel, found = point.params["kernel"], counters[point.id]
+        if point.state != DRAWN:
+            table_rows.append([kernel, "all", "wall time", "", "us", "", f"{point.state}: {point.why}"])
+            continue
         table_rows += [[kernel, phase, "wall time", f"{value:.6g}", "us", "clock", ""] for phase, value in times(point).items()]
         for phase, metrics in {**found["phases"], "all": found["whole"]}.items():
             for name in METRICS:
@@ -157,7 +158,7 @@ def notes(sweep: Sweep, counters: dict[str, dict]) -> list[str]:
     reasons = dict.fromkeys(reason for found in counters.values() for each in found["whole"].values()
                             for reason in (each["reason"] or "").split("; ") if reason)
     absent = [f"{point.params['kernel']}: {point.state} ({point.why})." for point in sweep.points if point.state != DRAWN]
-    uncounted = any(found is NO_COUNTERS for found in counters.values())
+    uncounted = any(counters[point.id] is NO_COUNTERS for point in sweep.drawn())
     return [*absent, *(["Not every point has been counted: run sweep counters figure_counters."] if uncounted else []),
             *([f"Unavailable here: {'; '.join(reasons)}."] if reasons else [])]
 

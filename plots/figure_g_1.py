@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Two bodies of sizes 1:10 on each kind of grid, beside figure 3 of Krestenitis and Weinzierl (2018)."""
-import json
+import packages  # noqa: F401, I001: before all that need them
 import statistics
 import sys
 from pathlib import Path
@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from figure import STYLE, Drawn, command_line
 from grids import finish, history, look
+from published import figures
 from records import Point, load_sweep
-from scaling import PUBLISHED
 
 NAME = "figure_g_1"
 PANELS = (("C18.F3a", "pairs compared per step"), ("C18.F3b", "time step (s)"), ("C18.F3c", "wall time so far (s)"))
@@ -39,8 +39,7 @@ def draw(results: Path, out: Path) -> Drawn:
 
 
 def draw_published(axis, id: str) -> None:
-    panels = json.loads(PUBLISHED.read_text(encoding="utf-8"))["figures"]
-    for series in next(panel for panel in panels if panel["id"] == id)["series"]:
+    for series in next(figure for figure in figures() if figure["id"] == id)["series"]:
         grid = {"regular": "regular-dense"}.get(series["params"]["grid"], series["params"]["grid"])
         axis.plot(*zip(*series["points"]), "-", color=look(grid)["color"], alpha=0.3, linewidth=3)
 

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Comparisons and visited vertices per body over the steps, for bodies of one size and of sizes 1:20."""
+import packages  # noqa: F401, I001: before all that need them
 import math
 import sys
 from pathlib import Path

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Slices of the grids over the hopper at three times, as the thesis shows its grids."""
+import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
 

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """The time step that follows the contacts: over time in the hopper, and steps saved over the density of a gas."""
+import packages  # noqa: F401, I001: before all that need them
 import math
 import sys
 from pathlib import Path

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Cost of the grid: time per step, its share, memory, and comparisons saved, over the number of bodies."""
+import packages  # noqa: F401, I001: before all that need them
 import math
 import statistics
 import sys

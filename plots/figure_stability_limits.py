@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Where the step and the halo fail: rebound, long runs, response limit, critical step, overlap release, cut floors."""
+import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
 

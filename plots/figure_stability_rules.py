@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Every contact rule against every bar: cut faces, closed paths, rest on a face, a stack; and what the rule costs."""
+import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
 

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Kernels: time per triangle pair against the error of the distance, with failures in a gutter."""
+import packages  # noqa: F401, I001: before all that need them
 import math
 import sys
 from pathlib import Path
@@ -15,8 +16,8 @@ HEADER = ["family", "kernel", "precision", "lanes", "steps", "state", "median_ns
           "roofline_share", "record"]
 NOTES = [
     "A method is worth its time where no other mark lies both left of and below its own.",
-    "Errors of 0 are drawn at 1e-17. The gutter holds methods with answers that are no number, or that failed "
-    "their check. Numbers beside the marks: lanes, or Newton steps of the iterative kernel.",
+    "Errors of 0 are drawn at 1e-17. The gutter holds methods with answers that are no number, and names those "
+    "that failed their check and were not timed. The larger the mark, the more lanes; numbers beside marks: Newton steps of the iterative kernel.",
 ]
 
 
@@ -31,10 +32,13 @@ def draw(results: Path, out: Path) -> Drawn:
         panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).flat
         for axes, family in zip(panels, families):
             _panel(axes, family, [p for p in sweep.points if p.params["family"] == family])
-        figure.get_layout_engine().set(rect=(0, 0.06, 1 - 1.6 / figure.get_figwidth(), 0.94))
+        foot = 0.5 / figure.get_figheight()
+        figure.get_layout_engine().set(rect=(0, foot, 1 - 1.6 / figure.get_figwidth(), 1 - foot))
         _legend(figure)
-        figure.supxlabel("CPU time per triangle pair (ns), one thread")
-        figure.supylabel("99th percentile of |d - d*| / S")
+        for axes in figure.axes[-columns:]:
+            axes.set_xlabel("CPU time per triangle pair (ns), one thread", fontsize=9)
+        for axes in figure.axes[::columns]:
+            axes.set_ylabel("99th percentile of |d - d*| / S", fontsize=9)
         figure.text(0.01, 0.01, credit(sweep), fontsize=7, va="bottom")
         return save(figure, Drawn("figure_w_1", sweep, out, NOTES), HEADER, [_row(point) for point in sweep.points])
 
@@ -43,6 +47,9 @@ def _panel(axes, family: str, points: list[Point]) -> None:
     axes.set(title=family, xscale="log", yscale="log", ylim=(WALL / 3, 10 * GUTTER))
     axes.axhspan(GUTTER / 4, 10 * GUTTER, color="#f3d9d9", zorder=0)
     axes.axhline(2.2e-16, color=GREY, linewidth=0.7, linestyle=":")
+    failed = dict.fromkeys(point.params["kernel"] for point in points if "failed" in point.state)
+    if failed:
+        axes.text(0.02, GUTTER, f"failed: {', '.join(failed)}", transform=axes.get_yaxis_transform(), fontsize=7, va="center")
     for point in points:
         if not (point.record and point.record["samples"]):
             continue
@@ -52,8 +59,8 @@ def _panel(axes, family: str, points: list[Point]) -> None:
         middle, height = median(point), max(error, WALL) if good else GUTTER
         axes.plot(times[::len(times) - 1] if len(times) > 1 else times, [height] * min(len(times), 2), color=colour(kernel))
         axes.plot(middle, height, PRECISION_MARKERS[ran(point, "precision")], color=colour(kernel),
-                  markerfacecolor=colour(kernel) if found(point, "wrong_share") == 0 else "white")
-        note = {"iterative": ran(point, "steps")}.get(kernel, ran(point, "lanes") if kernel not in PEERS else kernel)
+                  markersize=4 + 1.5 * math.log2(ran(point, "lanes")), markerfacecolor=colour(kernel) if found(point, "wrong_share") == 0 else "white")
+        note = ran(point, "steps") if kernel == "iterative" else kernel if kernel in PEERS else ""
         axes.annotate(note, (middle, height), xytext=(4, 4), textcoords="offset points", fontsize=7, color=colour(kernel))
 
 

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Mesh pairs: share of the true contacts that were found against pairs per second."""
+import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
 
@@ -35,8 +36,9 @@ def _mark(axes, point: Point) -> None:
     kernel, rate, recall = point.params["kernel"], 1e9 / median(point), found(point, "recall")
     axes.plot(rate, recall, PRECISION_MARKERS[ran(point, "precision")], color=colour(kernel))
     name = kernel if kernel in PEERS else f"{kernel} {ran(point, 'precision')} {ran(point, 'precheck')}"
-    axes.annotate(name, (rate, recall), xytext=(0, 5), textcoords="offset points", fontsize=7, rotation=60,
-                  color=colour(kernel))
+    low = recall < 0.5
+    axes.annotate(name, (rate, recall), xytext=(2, 6) if low else (2, -7), textcoords="offset points", fontsize=7, rotation=60,
+                  va="bottom" if low else "top", ha="left" if low else "right", color=colour(kernel))
 
 
 def _row(point: Point, drawn: list[Point]) -> list:

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Time per mesh pair against the number of triangles, and what error of the gap that time buys."""
+import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
 

@@ -2,6 +2,7 @@
 import base64
 import csv
 import re
+import statistics
 from collections import Counter
 from html import escape
 from pathlib import Path
@@ -63,6 +64,29 @@ def claims(rows: list[dict]) -> str:
               escape(row["seen"]), f"<code>{escape(row['command'])}</code>"] for row in rows]
     return ('<h2 id="claims">Claims</h2><p>Each published figure and number, and what this machine says about it.</p>'
             + table(["claim", "expected", "verdict", "status", "seen here", "command"], cells))
+
+
+TRIED = {"same": "the same build twice", "kernel": "one kernel 5 % slower", "phase": "one phase 5 % slower"}
+
+
+def gate(trial: dict | None) -> str:
+    """What experiments/regression_trial.py found out about tools/regress."""
+    head = '<h2 id="gate">How small a slow-down is found</h2>'
+    if not trial:
+        return f"{head}<p>Not tried yet: <code>experiments/regression_trial.py</code> does, in about twenty minutes.</p>"
+    rows = []
+    for build, what in TRIED.items():
+        tries = [each for each in trial["tries"] if each["build"] == build]
+        if tries:
+            verdicts = Counter(each["verdict"] for each in tries)
+            changes = sorted(100 * each["change"] for each in tries)
+            rows.append([what, str(len(tries)), *(str(verdicts[word]) for word in ("slower", "same", "unstable", "faster")),
+                         f"{statistics.median(changes):+.2f} ({changes[0]:+.2f} to {changes[-1]:+.2f})",
+                         f"{100 * max(each['noise'] for each in tries):.2f}"])
+    return (f"{head}<p>tools/regress on builds with a known slow-down, {trial['pairs']} pairs of runs a try, while another process "
+            f"loads a core; {escape((trial['machine'] or {}).get('cpu', 'unknown machine'))}, commit {escape(trial['commit'][:10])}.</p>"
+            + table(["build", "tries", "slower", "same", "unstable", "faster", "CPU time, median and range (%)",
+                     "largest noise (%)"], rows))
 
 
 def verified(points: list[Point]) -> str:

@@ -70,16 +70,16 @@ def draw_all(results: Path, wanted: dict[str, str]) -> tuple[dict[str, Drawn], d
 def write_page(results: Path, drawn: dict[str, Drawn], absent: dict[str, str]) -> Path:
     """Writes results/report.html whole or not at all."""
     points = [point for each in drawn.values() for point in each.sweep.points]
-    claims = read_claims(results)
+    claims = (read_json(results / "claims.json") or {"claims": []})["claims"]  # tools/claims leaves them
     links = [(each.name, f"Figure {number}") for number, each in drawn.items()]
-    links += [("claims", "Claims"), ("verified", "Verified"), ("not-drawn", "Not drawn"), ("origin", "Provenance")]
+    links += [("claims", "Claims"), ("gate", "Regression gate"), ("verified", "Verified"), ("not-drawn", "Not drawn"), ("origin", "Provenance")]
     parts = [f"<p>{escape(' '.join(sentences(drawn, absent, claims)))}</p>",
              f"<nav>{''.join(f'<a href=#{name}>{title}</a>' for name, title in links)}</nav>",
              *(page.section(number, each, results) for number, each in drawn.items())]
     if absent:
         parts.append("<h2>Not run</h2><ul>" + "".join(
             f"<li>Figure {number}: <code>tools/reproduce --figures {number}</code></li>" for number in absent) + "</ul>")
-    parts += [page.claims(claims), page.verified(points), page.not_drawn(drawn), page.origin(points)]
+    parts += [page.claims(claims), page.gate(read_json(results / "regression_trial.json")), page.verified(points), page.not_drawn(drawn), page.origin(points)]
     body = "\n".join(parts)
     text = (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>Trigrain: figures</title>\n'
             '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -93,12 +93,12 @@ def write_page(results: Path, drawn: dict[str, Drawn], absent: dict[str, str]) -
     return path
 
 
-def read_claims(results: Path) -> list[dict]:
-    """What tools/claims left in results/claims.json; nothing if it has not run."""
+def read_json(path: Path) -> dict | None:
+    """What another program left there, if it has run."""
     try:
-        return json.loads((results / "claims.json").read_text(encoding="utf-8"))["claims"]
-    except (OSError, ValueError, KeyError):
-        return []
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
 
 
 if __name__ == "__main__":

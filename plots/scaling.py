@@ -1,5 +1,4 @@
 """Runtime per particle and step over threads: the figures 8.5, 8.6, 8.8 and 8.9 of Krestenitis (2018)."""
-import json
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,10 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from figure import COLOURS, GREY, MARKERS, ROOT, STYLE, Drawn, credit, save
+from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, credit, save
+from published import figures
 from records import DRAWN, Point, Sweep, load_sweep
 
-PUBLISHED = ROOT / "results/reference/published_series.json"
 HEADER = ["panel", "grid", "scheme", "particles", "vertices", "threads", "state", "why", "samples",
           "median_us_per_particle_step", "min_us_per_particle_step", "max_us_per_particle_step",
           "published_scaled_us", "record"]
@@ -52,10 +51,9 @@ def draw_scaling(name: str, panels: list[Panel], notes: list[str], folders: tupl
 def published_curves() -> dict[str, dict[int, dict[int, float]]]:
     """Seconds by panel id, vertices per particle and threads. The source prints "triangles per particle" for the
     number of hull input points, which is what we call vertices; the file's key says so."""
-    figures = json.loads(PUBLISHED.read_text(encoding="utf-8"))["figures"]
     return {figure["id"]: {series["params"]["vertices_per_particle"]: {int(t): s for t, s in series["points"]}
                            for series in figure["series"]}
-            for figure in figures if figure["x"]["name"] == "threads" and figure["id"].startswith("C18")}
+            for figure in figures() if figure["x"]["name"] == "threads" and figure["id"].startswith("C18")}
 
 
 def _draw_panel(axis: Axes, panel: Panel, sweep: Sweep, curves: dict) -> list[list]:

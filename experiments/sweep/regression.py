@@ -24,6 +24,7 @@ class Side:
     cpu_s: list[float] = field(default_factory=list)
     phases_s: dict[str, float] = field(default_factory=dict)
     counts: dict[str, float] = field(default_factory=dict)
+    machine: dict = field(default_factory=dict)
     trouble: str = ""
 
     def add(self, record: dict) -> None:
@@ -33,7 +34,8 @@ class Side:
         self.look_at(record)
 
     def look_at(self, record: dict) -> None:
-        """Phases and counts of a record."""
+        """Phases, counts and machine of a record."""
+        self.machine = record.get("machine") or {}
         for sample in record["samples"]:
             for phase, seconds in sample.get("phases_s", {}).items():
                 self.phases_s[phase] = min(self.phases_s.get(phase, seconds), seconds / sample["steps"])

@@ -7,6 +7,7 @@ import subprocess
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+import jsonschema
 import pytest
 
 from test_figures import AXES, FIXED
@@ -100,6 +101,20 @@ def test_claims_and_five_sentences_head_the_page(full):
         assert words in summary, words
 
 
+def test_the_trial_of_the_regression_gate_is_shown(full):
+    assert "Not tried yet: <code>experiments/regression_trial.py" in report(full, "--figures", "8.5")
+    tries = [{"build": build, "verdict": verdict, "change": change, "p": 0.001, "noise": 0.004, "why": "", "took_s": 1}
+             for build, verdict, change in (("kernel", "slower", 0.05), ("kernel", "slower", 0.04), ("same", "same", -0.001))]
+    trial = {"schema": "trigrain-regression-trial-1", "started_utc": "2024-01-01T00:00:00Z", "commit": "c0ffee" * 7,
+             "pairs": 30, "machine": {"cpu": "Imagined <CPU>"}, "tries": tries}
+    jsonschema.validate(trial, json.loads((PLOTS.parent / "experiments/schema/regression_trial.json").read_text()))
+    (full.folder / "regression_trial.json").write_text(json.dumps(trial))
+    page = report(full, "--figures", "8.5")
+    assert ("<td>one kernel 5 % slower</td><td>2</td><td>2</td><td>0</td><td>0</td><td>0</td><td>+4.50 (+4.00 to +5.00)</td>"
+            "<td>0.40</td>") in page
+    assert "<td>the same build twice</td><td>1</td><td>0</td><td>1</td>" in page and "one phase" not in page
+
+
 def test_the_same_records_give_the_same_bytes(full):
     def files() -> dict[str, bytes]:
         return {path.name: path.read_bytes() for path in [*(full.folder / "figures").iterdir(), full.folder / "report.html"]}
@@ -144,8 +159,10 @@ def test_a_browser_shows_every_figure_and_sorts_tables(full, tmp_path, width):
     assert [int(cell) for cell in found["down"]] == sorted(numbers, reverse=True)
 
 
-@pytest.mark.parametrize("script", ["plots/report.py", "plots/figure_8_4.py", "plots/figure_8_5.py", "plots/figure_counters.py",
-                                    "tools/claims"])
+SCRIPTS = sorted(path.relative_to(PLOTS.parent) for path in PLOTS.glob("figure_*.py"))
+
+
+@pytest.mark.parametrize("script", ["plots/report.py", "tools/claims", *SCRIPTS], ids=str)
 def test_without_python_packages_one_sentence_says_what_to_do(script):
     done = subprocess.run(["/usr/bin/python3", "-S", PLOTS.parent / script], capture_output=True, text=True, check=False)
     assert done.returncode == 4 and done.stderr.count("\n") == 1, done.stderr
