@@ -62,6 +62,7 @@ def main() -> int:
     trial = None if options.fresh else read_trial(kept, options.pairs)
     if trial is None:
         trial = {"schema": SCHEMA, "started_utc": now(), "commit": build_all(), "pairs": options.pairs, "machine": None, "tries": []}
+        write_json(kept, trial)
     load = subprocess.Popen([sys.executable, "-c", "while True: pass"])
     try:
         with tempfile.TemporaryDirectory() as place:

@@ -47,8 +47,8 @@ def main(argv: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
-        place = f": {error.filename}" if error.filename else ""
-        print(f"cannot write or read ({error.strerror}{place}). Records that are there are whole; mend that, and the same "
+        place = error.filename or getattr(options, "results", "standard output")
+        print(f"cannot write or read ({place}: {error.strerror}). Records that are there are whole; mend that, and the same "
               "command resumes.", file=sys.stderr)
         return SweepError.exit_code
 
@@ -254,12 +254,13 @@ def _status(options: argparse.Namespace) -> int:
         if each.broken:
             print(f"warning: {store.record_path(each.point.id)} is no record ({each.broken}).", file=sys.stderr)
         mark = ", of another commit" if each.other_commit else ""
-        print(f"{each.point.id}  {each.point.name}: {each.state}{f' ({each.why})' if each.why else ''}{mark}")
+        said = each.why or each.speed
+        print(f"{each.point.id}  {each.point.name}: {each.state}{f' ({said})' if said else ''}{mark}")
     print(f"{spec.name} ({spec.preset}): {status.counts(statuses)}")
     other = sum(each.other_commit for each in statuses)
     if other and bench:
-        print(f"{other} records come from another commit than this build ({bench.commit}). "
-              f"`sweep run {options.spec} --fresh` makes them again.")
+        print(f"{other} {'record comes' if other == 1 else 'records come'} from another commit than this build ({bench.commit}). "
+              f"`sweep run {options.spec} --fresh` makes {'it' if other == 1 else 'them'} again.")
     return 0
 
 

@@ -1,4 +1,5 @@
 """What became of every point of a spec, and the index that says so to the plots."""
+import statistics
 from collections import Counter
 from dataclasses import dataclass
 
@@ -27,6 +28,7 @@ class PointStatus:
     other_commit: bool = False
     broken: str | None = None
     took_s: float | None = None  # of its processes, where it has run
+    speed: str = ""  # median time of its samples, where it finished
 
 
 def status_of(point: Point, store: Store, bench: Bench | None, cores: int) -> PointStatus:
@@ -38,7 +40,7 @@ def status_of(point: Point, store: Store, bench: Bench | None, cores: int) -> Po
         took_s = record.get("sweep", {}).get("took_s")
         if record["status"] == "failed":
             return PointStatus(point, FAILED, record.get("reason", ""), other, took_s=took_s)
-        return PointStatus(point, *verdict(point, record["check"]), other, took_s=took_s)
+        return PointStatus(point, *verdict(point, record["check"]), other, took_s=took_s, speed=_speed(record["samples"]))
     lacking = bench and (bench.lacks(point.params) or (point.start and bench.lacks(point.start.params)))
     if lacking:
         return PointStatus(point, NOT_AVAILABLE, lacking, broken=broken)
@@ -57,6 +59,21 @@ def verdict(point: Point, check: dict) -> tuple[str, str]:
     if baseline and list(failed) == [baseline.check]:
         return EXPECTED, f"{baseline.check}: {baseline.why}"
     return CHECK_FAILED, ", ".join(failed)
+
+
+def _speed(samples: list[dict]) -> str:
+    """"1.2 ms per step": wall time of a step of the engine, CPU time of a pair of a kernel; empty where there is none."""
+    for clock, unit in (("wall_s", "steps"), ("cpu_s", "pairs")):
+        times = [sample[clock] / sample[unit] for sample in samples if sample.get(unit) and clock in sample]
+        if times:
+            return f"{_prefixed(statistics.median(times))}s per {unit[:-1]}"
+    return ""
+
+
+def _prefixed(value: float) -> str:
+    """"1.23 m" for 0.00123."""
+    factor, prefix = next((each for each in ((1, ""), (1e-3, "m"), (1e-6, "u")) if value >= each[0]), (1e-9, "n"))
+    return f"{value / factor:.3g} {prefix}"
 
 
 def counts(statuses: list[PointStatus]) -> str:

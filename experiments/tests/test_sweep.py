@@ -211,6 +211,13 @@ def test_a_baseline_that_fails_the_check_it_is_known_to_fail_is_no_defect(bench,
     assert len(bench.calls()) == 4 + code, "what is as expected is not tried again"
 
 
+def test_status_says_how_long_a_step_took(bench):
+    bench.write(axes={"seed": seeds("fine", "crash")})
+    bench.run("run", expect=1)
+    said = bench.run("status").stdout
+    assert "seed=0: finished (333 ms per step)" in said and said.count("per step") == 1, "1 s for 3 steps"
+
+
 def test_failed_points_wait_for_rerun_failed(bench):
     bench.write(axes={"seed": seeds("crash", "fine")})
     bench.run("run", expect=1)
