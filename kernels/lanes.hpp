@@ -150,6 +150,7 @@ template <class T> [[gnu::always_inline]] inline Wide<T> half(const T& x, int k)
 /// to[0], to[1], ... = those of the lanes whose bit is set. Writes a whole pack: what follows the last of them is
 /// undefined.
 template <class W> [[gnu::always_inline]] inline void store_selected(const W& x, unsigned bits, double* to) {
+  if (bits == (1u << lanes_of<W>)-1) return store(x, to);
 #ifdef __AVX512F__
   if constexpr (lanes_of<W> == 8) {
     store(W(_mm512_maskz_compress_pd(static_cast<__mmask8>(bits), static_cast<__m512d>(x))), to);

@@ -54,7 +54,7 @@ std::optional<BenchOptions> parse_bench_options(int argc, char** argv, std::ostr
   app.add_option("--schedule", o.schedule, "constants of the penalty method")->capture_default_str();
   app.add_option("--reach", o.query.reach, "contacts at most so far apart (m), of triangle pairs")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--pairs", o.pairs, "default: 2000 of triangles, 100 of meshes")->check(CLI::PositiveNumber);
+  app.add_option("--pairs", o.pairs, "default: 10000 of triangles, 100 of meshes")->check(CLI::PositiveNumber);
   app.add_option("--seed", o.seed, "of the pairs")->capture_default_str();
   app.add_option("--repeats", o.repeats, "samples")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--seconds", o.seconds, "length of a sample, at least")->check(CLI::PositiveNumber);
@@ -121,7 +121,7 @@ const Findings& Entry::findings() const {
 }
 
 std::vector<Entry> chosen_entries(const BenchOptions& options, const std::vector<Contestant>& contestants) {
-  constexpr int triangle_pairs = 2000, mesh_pairs = 100;
+  constexpr int triangle_pairs = 10000, mesh_pairs = 100;
   std::vector<Entry> entries;
   for (const BenchFamily& family : bench_families()) {
     if (!wanted(options.family, family.name)) continue;

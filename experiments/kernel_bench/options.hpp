@@ -13,7 +13,7 @@ struct BenchOptions {
   std::string kernel = "all", precision = "double", family = "every", precheck = "octree", schedule = "constant";
   int lanes = 0; ///< 0: as many as fill a register
   Query query;
-  int pairs = 0; ///< 0: 2000 of triangles, 100 of meshes
+  int pairs = 0; ///< 0: 10000 of triangles: branches cannot be learnt by heart, 100 of meshes
   std::uint64_t seed = 1;
   int repeats = 3;
   double seconds = .05; ///< of a sample, at least
