@@ -3,6 +3,7 @@
 #include "kernels/name_table.hpp"
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <gtest/gtest.h>
 #include <linux/perf_event.h>
 #include <nlohmann/json.hpp>
@@ -11,10 +12,15 @@
 namespace trigrain {
 namespace {
 
-/// Keeps a core busy for so long.
-void burn(std::chrono::milliseconds duration) {
-  const auto until = std::chrono::steady_clock::now() + duration;
-  while (std::chrono::steady_clock::now() < until) {
+/// Uses so much CPU time, whatever else runs on the machine.
+void burn(std::chrono::nanoseconds duration) {
+  const auto used = [] {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return std::chrono::seconds(t.tv_sec) + std::chrono::nanoseconds(t.tv_nsec);
+  };
+  const auto until = used() + duration;
+  while (used() < until) {
   }
 }
 
@@ -69,7 +75,7 @@ TEST(Machine, usage_counts_cpu_of_all_threads_and_wall_of_sleep) {
   std::thread(burn, std::chrono::milliseconds(50)).join();
   const Usage used = meter.stop();
   EXPECT_GE(used.wall, .1);
-  EXPECT_GT(used.cpu, .005);
+  EXPECT_GT(used.cpu, .045);
   EXPECT_LT(used.cpu, used.wall);
   EXPECT_GE(used.voluntary_switches, 1);
 }
@@ -89,7 +95,7 @@ TEST(Counters, a_software_event_counts_threads_started_later) {
   std::thread(burn, std::chrono::milliseconds(50)).join();
   const auto end = clock.read();
   ASSERT_TRUE(begin && end);
-  EXPECT_GT(*end - *begin, 5e6);
+  EXPECT_GT(*end - *begin, 45e6);
 }
 
 TEST(Counters, an_event_that_is_not_there_gives_a_reason_and_no_number) {
