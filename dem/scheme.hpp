@@ -27,7 +27,7 @@ struct DetectTask : Task {
 };
 
 /// What one worker hands over during a step. Refilling does not allocate, and references stay valid.
-struct TaskPool {
+struct alignas(128) TaskPool { // neighbours in memory share no cache lines
   std::deque<DetectTask> tasks;
   int used = 0;
   SplitPairs splits;

@@ -3,6 +3,7 @@
 #include "experiments/atomic_file.hpp"
 #include "experiments/machine.hpp"
 #include "experiments/record.hpp"
+#include "experiments/trace.hpp"
 #include "kernels/name_table.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,6 +11,8 @@
 #include <cstdio>
 #include <functional>
 #include <iostream>
+#include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -22,16 +25,19 @@ constexpr int repeats = 15;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// Median seconds of several runs; the first is not counted.
-double median_time(const std::function<void()>& work) {
-  std::vector<double> times;
-  for (int i = 0; i <= repeats; ++i) {
-    const double begin = now();
-    work();
-    if (i > 0) times.push_back(now() - begin);
-  }
-  std::nth_element(times.begin(), times.begin() + repeats / 2, times.end());
-  return times[repeats / 2];
+double time_of(const std::function<void()>& work) {
+  const double begin = now();
+  work();
+  return now() - begin;
+}
+
+/// Median of several values; the first is not counted.
+double median(const std::function<double()>& value) {
+  std::vector<double> values;
+  for (int i = 0; i <= repeats; ++i) values.push_back(value());
+  values.erase(values.begin());
+  std::nth_element(values.begin(), values.begin() + repeats / 2, values.end());
+  return values[repeats / 2];
 }
 
 /// STREAM triad a = b + s c (McCalpin 1995): GB/s of all threads, 24 bytes per element, best of several runs over
@@ -73,27 +79,52 @@ void spin(int rounds) {
 /// Microseconds that a loop of as many empty blocks as threads takes: it hands out and waits for all.
 double barrier(Team& team) {
   constexpr int loops = 2000;
-  return 1e6 / loops * median_time([&] {
-           for (int i = 0; i < loops; ++i) team.parallel_for(team.threads(), 1, [](int, int, int) { spin(1); });
+  return 1e6 / loops * median([&] {
+           return time_of([&] {
+             for (int i = 0; i < loops; ++i) team.parallel_for(team.threads(), 1, [](int, int, int) { spin(1); });
+           });
          });
 }
 
 /// Microseconds of a thread that a task costs beside its work: of one that its own thread runs on a team of one, and of
-/// one that may be stolen on a larger team.
+/// one that may be stolen on a larger team. Work and tasks are timed in turn.
 double task_cost(Team& team) {
   constexpr int tasks = 5000, rounds = 1000; // some microseconds each
   std::vector<Task> all(tasks);
-  const double work = median_time([&] {
-    for (int i = 0; i < tasks; ++i) spin(rounds);
-  });
-  const double taken = median_time([&] {
-    team.produce(
-        [&](Spawn spawn) {
-          for (const Task& task : all) spawn(task);
-        },
-        [&](const Task&, int, Spawn) { spin(rounds); });
-  });
-  return 1e6 * (taken * team.threads() - work) / tasks;
+  return 1e6 / tasks * median([&] {
+           const double work = time_of([&] {
+             for (int i = 0; i < tasks; ++i) spin(rounds);
+           });
+           const double taken = time_of([&] {
+             team.produce(
+                 [&](Spawn spawn) {
+                   for (const Task& task : all) spawn(task);
+                 },
+                 [&](const Task&, int, Spawn) { spin(rounds); });
+           });
+           return taken * team.threads() - work;
+         });
+}
+
+/// Microseconds that recording one piece of work takes.
+double trace_cost() {
+  constexpr int pieces = 20000;
+  Trace trace;
+  trace.start();
+  const double cost = 1e6 / pieces * median([&] {
+                        const double work = time_of([] {
+                          for (int i = 0; i < pieces; ++i) spin(1);
+                        });
+                        const double recorded = time_of([&] {
+                          for (int i = 0; i < pieces; ++i) {
+                            const ObservedPiece piece(trace.observer(), Phase::detect, Piece::loop);
+                            spin(1);
+                          }
+                        });
+                        return recorded - work;
+                      });
+  trace.stop();
+  return cost;
 }
 
 Json costs_of(const Runtime& runtime, int threads) {
@@ -114,21 +145,22 @@ Json measure(int threads) {
   }
   for (const Runtime& runtime : runtimes())
     if (runtime.name != "serial") result["runtimes"][std::string(runtime.name)] = costs_of(runtime, threads);
+  result["trace_us"] = trace_cost();
   result["machine"] = describe_machine();
   result["build"] = describe_build();
   return result;
 }
 
+double number(const Json& x) { return x.is_null() ? std::numeric_limits<double>::quiet_NaN() : x.get<double>(); }
+
 void print(const Json& costs) {
   for (const auto& [threads, rate] : costs["triad_GB_s"].items())
     std::printf("STREAM triad, %s threads: %.1f GB/s\n", threads.c_str(), rate.get<double>());
-  const auto text = [](const Json& x) {
-    return x.is_null() ? std::string("-") : CLI::detail::to_string(x.get<double>());
-  };
   for (const auto& [name, c] : costs["runtimes"].items())
-    std::printf("%s: us per task %s on one thread, %s with %d; us per loop %s on one thread, %s with %d\n",
-                name.c_str(), text(c["spawn_us"]).c_str(), text(c["stolen_us"]).c_str(), costs["threads"].get<int>(),
-                text(c["loop_us"]).c_str(), text(c["barrier_us"]).c_str(), costs["threads"].get<int>());
+    std::printf("%s: a task costs %.2f us on one thread and %.2f with %d, a loop %.2f and %.2f us\n", name.c_str(),
+                number(c["spawn_us"]), number(c["stolen_us"]), costs["threads"].get<int>(), number(c["loop_us"]),
+                number(c["barrier_us"]));
+  std::printf("a piece of work in a trace: %.3f us\n", costs["trace_us"].get<double>());
 }
 
 } // namespace

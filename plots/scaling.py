@@ -8,15 +8,18 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, credit, save
+from projections import Projection, projection_of
 from published import figures
 from records import DRAWN, Point, Sweep, load_sweep
 
 HEADER = ["panel", "grid", "scheme", "particles", "vertices", "threads", "state", "why", "samples",
           "median_us_per_particle_step", "min_us_per_particle_step", "max_us_per_particle_step",
           "published_scaled_us", "record"]
+PROJECTED = "projected"  # the state of rows that nobody measured
 
 
 @dataclass(frozen=True)
@@ -43,17 +46,24 @@ def draw_scaling(name: str, panels: list[Panel], notes: list[str], folders: tupl
         for axis, panel in zip(axes[len(panels):], sweep.elsewhere):
             axis.set_title(panel["what"])
             _say(axis, f"needs {panel['needs']}")
-        _finish(figure, axes, sweep, _published_label(panels))
-        notes = [*_counts(sweep), *notes]
+        _finish(figure, axes, sweep, panels)
+        notes = [*_counts(sweep), *_ends(panels, sweep), *notes]
         return save(figure, Drawn(name, sweep, folders[1], notes), HEADER, rows)
 
 
 def published_curves() -> dict[str, dict[int, dict[int, float]]]:
-    """Seconds by panel id, vertices per particle and threads. The source prints "triangles per particle" for the
-    number of hull input points, which is what we call vertices; the file's key says so."""
-    return {figure["id"]: {series["params"]["vertices_per_particle"]: {int(t): s for t, s in series["points"]}
-                           for series in figure["series"]}
-            for figure in figures() if figure["x"]["name"] == "threads" and figure["id"].startswith("C18")}
+    """Seconds by panel id, vertices per particle and threads. The sources print "triangles per particle" for the
+    number of hull input points, which is what we call vertices. P17.F3 is brute force of the panels P17.F3a and b."""
+    known = {figure["id"]: figure for figure in figures()}
+    curves = {id: {series["params"]["vertices_per_particle"]: _curve(series) for series in figure["series"]}
+              for id, figure in known.items() if figure["x"]["name"] == "threads" and id.startswith("C18")}
+    curves["P17.F3"] = {series["params"]["triangles_per_particle_printed"]: _curve(series) for id in ("P17.F3a", "P17.F3b")
+                        for series in known[id]["series"] if series["params"]["method"] == "brute force"}
+    return curves
+
+
+def _curve(series: dict) -> dict[int, float]:
+    return {int(threads): seconds for threads, seconds in series["points"]}
 
 
 def _draw_panel(axis: Axes, panel: Panel, sweep: Sweep, curves: dict) -> list[list]:
@@ -64,8 +74,12 @@ def _draw_panel(axis: Axes, panel: Panel, sweep: Sweep, curves: dict) -> list[li
         series = sorted((point for point in points if point.params["vertices"] == vertices),
                         key=lambda point: point.params["threads"])
         scaled = _scaled(series, curves, panel, vertices)
-        _draw_series(axis, _style_of(vertices), [point for point in series if point.state == DRAWN], scaled)
+        measured = [point for point in series if point.state == DRAWN]
+        _draw_series(axis, _style_of(vertices), measured, scaled)
         rows += [_row(panel, point, scaled) for point in series]
+        projection = projection_of(series, sweep.folder)
+        if projection and projection.trusted:
+            rows += _draw_projection(axis, _style_of(vertices)[0], measured, projection, _row(panel, measured[0], {}))
     absent = [point for point in points if point.state != DRAWN]
     if len(absent) == len(points):
         _say(axis, "\n".join(_reasons(absent)) or "no such point in this sweep")
@@ -76,8 +90,40 @@ def _draw_panel(axis: Axes, panel: Panel, sweep: Sweep, curves: dict) -> list[li
         threads = sorted({point.params["threads"] for point in absent})
         axis.plot(threads, [0] * len(threads), "x", color=GREY, markersize=6, clip_on=False,
                   transform=axis.get_xaxis_transform(), zorder=5)
-    _thread_axis(axis, sorted({point.params["threads"] for point in points}))
+    more = [row[HEADER.index("threads")] for row in rows if row[HEADER.index("state")] == PROJECTED]
+    _thread_axis(axis, sorted({*(point.params["threads"] for point in points), *more}))
     return rows
+
+
+def _draw_projection(axis: Axes, colour: str, measured: list[Point], projection: Projection, like: list) -> list[list]:
+    """Line and band beyond the threads that were measured, which a record of a bigger machine replaces; their rows."""
+    one, last = measured[0].median(), measured[-1].params["threads"]
+    threads = [t for t in projection.speed_up if t >= last]
+    times = {t: [one / speed for speed in (projection.speed_up[t], *reversed(projection.band[t]))] for t in threads}
+    axis.fill_between(threads, [times[t][1] for t in threads], [times[t][2] for t in threads], color=colour, alpha=0.13, linewidth=0)
+    axis.plot(threads, [times[t][0] for t in threads], "--", color=colour, linewidth=1.3, zorder=3)
+    rows = []
+    for t in threads[1:]:
+        row = list(like)
+        row[HEADER.index("threads"):] = [t, PROJECTED, projection.sentence(t), 0, *(f"{us:.6g}" for us in times[t]), "", like[-1]]
+        rows.append(row)
+    return rows
+
+
+def _series(panels: list[Panel], sweep: Sweep) -> dict[str, list[Point]]:
+    """Points over threads, by words that name them."""
+    series: dict[str, list[Point]] = {}
+    for panel in panels:
+        for point in sweep.points:
+            if panel.where.items() <= point.params.items():
+                series.setdefault(f"{panel.title}, {point.params['vertices']} vertices", []).append(point)
+    return series
+
+
+def _ends(panels: list[Panel], sweep: Sweep) -> list[str]:
+    """Per series one sentence: where it stops scaling and why."""
+    found = {name: projection_of(points, sweep.folder) for name, points in _series(panels, sweep).items()}
+    return [f"{name}: {projection.sentence(24)}." for name, projection in found.items() if projection]
 
 
 def _style_of(vertices: int) -> tuple[str, str]:
@@ -166,13 +212,27 @@ def _published_label(panels: list[Panel]) -> str:
     return "published shape; its 1-thread value is laid on ours" if any(panel.published for panel in panels) else ""
 
 
-def _finish(figure: Figure, axes: list[Axes], sweep: Sweep, published_label: str) -> None:
+def _projection_handles(projections: list[Projection | None]) -> list:
+    """Legend entries for what is projected and what was withheld."""
+    handles: list = []
+    if any(each and each.trusted for each in projections):
+        handles.append(Line2D([], [], color=GREY, linestyle="--", label="projected from a trace of one thread"))
+        handles.append(Patch(color=GREY, alpha=0.2, linewidth=0, label="band that every greedy schedule keeps"))
+    withheld = sum(each is not None and not each.trusted for each in projections)
+    if withheld:
+        handles.append(Patch(color="none", label=f"projections withheld: {withheld} of {len(projections)}"))
+    return handles
+
+
+def _finish(figure: Figure, axes: list[Axes], sweep: Sweep, panels: list[Panel]) -> None:
     axes[0].set_ylabel("runtime per particle and step (µs)")
     handles = []
     for vertices in sorted({point.params["vertices"] for point in sweep.points}):
         colour, marker = _style_of(vertices)
         handles.append(Line2D([], [], color=colour, marker=marker, label=f"{vertices} vertices per particle"))
     handles.append(Line2D([], [], color=GREY, linestyle=":", label="ideal"))
+    handles += _projection_handles([projection_of(points, sweep.folder) for points in _series(panels, sweep).values()])
+    published_label = _published_label(panels)
     if published_label:
         handles.append(Line2D([], [], color=GREY, alpha=0.4, marker="o", markersize=3, linewidth=1.1,
                               label=published_label))

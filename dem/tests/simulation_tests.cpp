@@ -3,6 +3,7 @@
 #include "dem/simulation.hpp"
 #include "kernels/name_table.hpp"
 #include <cmath>
+#include <array>
 #include <gtest/gtest.h>
 
 namespace trigrain {
@@ -59,6 +60,22 @@ TEST(Simulation, EverySchemeLayerRuntimeAndThreadCountGivesTheSameBits) {
                 << rule << " " << precheck << " " << scheme.name << " " << layers << " " << runtime << " " << threads;
           }
   }
+}
+
+TEST(Simulation, BooksAndTheStepLimitHaveTheSameBitsForEveryTeam) {
+  const Scene scene = flowing_hopper(200);
+  const auto sums = [&](const char* runtime, int threads) {
+    Simulation sim(scene, {.scheme = "plain", .runtime = runtime, .threads = threads});
+    sim.run(3);
+    const Energy e = sim.energy();
+    const Momentum m = sim.momentum_error();
+    return std::array{e.damping, e.friction, m.linear.y(), m.angular.x(), sim.contact_step_limit()};
+  };
+  const auto serial = sums("openmp", 1);
+  ASSERT_GT(serial[0], 0) << "the test needs contacts";
+  ASSERT_LT(serial[4], 1);
+  for (const char* runtime : {"openmp", "tbb"})
+    for (const int threads : {2, 3, 5}) EXPECT_EQ(sums(runtime, threads), serial) << runtime << " " << threads;
 }
 
 TEST(Simulation, GridsAndPrechecksChangeTheWorkAndNotTheResult) {

@@ -76,6 +76,7 @@ def _print(found: dict[str, Any]) -> None:
     if found["median_task_us"]:
         print(f"tasks per step: {found['tasks_per_step']:.0f}, median length {found['median_task_us']:.1f} us, "
               f"handing them over {100 * found['spawn_share']:.2f} % of the time")
+    print(f"recording the trace took {100 * found['trace_share']:.2f} % of the time")
     check = found["validation"]
     if check["measured"]:
         print(f"speed-up on two threads: predicted {check['predicted']:.3f}, measured {check['measured']:.3f}, "

@@ -18,6 +18,7 @@ class Machine:
     stolen_us: float = 0.0  # per task, where others may take it
     loop_us: float = 0.0  # per loop or join, on one thread
     barrier_us: float = 0.0  # per loop or join on two threads; on more it grows with log2 of their number
+    trace_us: float = 0.0  # per piece of work that was recorded
     bytes_per_us: float = 0.0  # that one thread of this run moves to and from memory
     socket_bytes_per_us: float = float("inf")  # STREAM triad
     cores_per_socket: int = 64
@@ -43,7 +44,7 @@ def machine_of(costs: dict[str, Any], runtime: str, bytes_per_us: float = 0.0, c
     triad = costs["triad_GB_s"][str(costs["threads"])] * 1e3
     # A cost that is lost in the noise of the measurement is none.
     known = {key: max(0.0, own[key]) for key in ("spawn_us", "stolen_us", "loop_us", "barrier_us")}
-    return Machine(runtime, **known, bytes_per_us=bytes_per_us, socket_bytes_per_us=triad, cores_per_socket=cores_per_socket)
+    return Machine(runtime, **known, trace_us=costs["trace_us"], bytes_per_us=bytes_per_us, socket_bytes_per_us=triad, cores_per_socket=cores_per_socket)
 
 
 def load_costs(path: Path, program: Path) -> dict[str, Any]:

@@ -63,6 +63,7 @@ def summary(trace: Trace, machine: Machine, measured_on_two: float | None) -> di
         "tasks_per_step": tasks,
         "median_task_us": statistics.median(lengths) if lengths else None,
         "spawn_share": tasks * machine.spawn_us / one,
+        "trace_share": statistics.median(sum(len(section.pieces) for section in step) for step in steps) * machine.trace_us / one,
         "rows": [{"threads": row.threads, "us_per_step": row.projected, "speed_up": one / row.projected,
                   "lower": one / row.most, "upper": one / row.least, "limits": row.limits,
                   "memory_GB_s": machine.bytes_per_us * one / row.projected / 1e3} for row in rows],

@@ -1,4 +1,4 @@
-"""The command `sweep`: run, status, counters, export, list, merge, import, schema."""
+"""The command `sweep`: run, status, counters, project, export, list, merge, import, schema."""
 import argparse
 import json
 import os
@@ -13,9 +13,10 @@ from sweep.counters import Counting, load_counters
 from sweep.errors import InputError, SweepError, nearest
 from sweep.exchange import FORMATS, rows
 from sweep.merge import merge
-from sweep.points import Point, expand, select
+from sweep.points import Point, comparable, expand, select
 from sweep.process import Stop
 from sweep.progress import duration
+from sweep.projections import Projecting, sentence
 from sweep.runner import Interrupted, Runner, missing_states, set_aside_broken
 from sweep.spec import Spec, read_spec
 from sweep.spec_schema import spec_schema
@@ -77,6 +78,11 @@ def _parser() -> Parser:
     _common(counted)
     counted.add_argument("--only", action="append", default=[], metavar="K=V[,V]", help="only points with these values")
     counted.add_argument("--fresh", action="store_true", help="count again what has been counted")
+    more = commands.add_parser("project", help="what finished points would take on more threads, from a trace of one")
+    more.set_defaults(command=_project)
+    _common(more)
+    more.add_argument("--only", action="append", default=[], metavar="K=V[,V]", help="only points with these values")
+    more.add_argument("--fresh", action="store_true", help="trace again what has been projected")
     out = commands.add_parser("export", help="every sample in a format that other tools read")
     out.set_defaults(command=_export)
     _common(out)
@@ -212,6 +218,29 @@ def _counters(options: argparse.Namespace) -> int:
                 print(f"{point.name}: {', '.join(found) or 'nothing, ' + whole['instructions']['reason']}", flush=True)
     print(f"{spec.name} ({spec.preset}): {done} points counted" if done else
           f"{spec.name} ({spec.preset}): no finished point; sweep run comes first")
+    return 0
+
+
+def _project(options: argparse.Namespace) -> int:
+    spec = _read(options)
+    bench = find_bench(spec.program, options.bin, ROOT)
+    store = Store(options.results, spec.name)
+    withheld = 0
+    with store.lock():
+        projecting = Projecting(spec, store, bench, ROOT)
+        finished = [point for point in select(expand(spec), options.only, None)
+                    if status_of(point, store, bench, options.cores).state == FINISHED]
+        for series in comparable(finished, ("threads",)):
+            by_threads = {point.params.get("threads", 1): point for point in series}
+            if 1 not in by_threads or by_threads[1].params.get("scheme", "serial") == "serial":
+                continue
+            path = store.projection_path(by_threads[1].id)
+            if options.fresh or not path.exists():
+                projecting.project(by_threads[1], by_threads.get(2))
+            found = json.loads(path.read_text(encoding="utf-8"))
+            withheld += not found["validation"]["trusted"]
+            print(sentence(by_threads[1].name, found), flush=True)
+    print(f"{spec.name} ({spec.preset}): {withheld} projections withheld")
     return 0
 
 

@@ -23,7 +23,7 @@ DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 class Store:
     """Where a sweep keeps what it found:
     RESULTS/SPEC/ID.json a record, RESULTS/SPEC/index.json the state of every point, RESULTS/SPEC/frames/ID/ pictures, RESULTS/SPEC/traces/ID.json traces,
-    RESULTS/SPEC/counters/ID.json hardware counters of a point, RESULTS/SPEC/sweep.log a line per point that ran, RESULTS/states/ID.json start states, shared by all specs."""
+    RESULTS/SPEC/counters/ID.json hardware counters of a point, RESULTS/SPEC/projections/ID.json what a point on one thread would take on more, RESULTS/SPEC/sweep.log a line per point that ran, RESULTS/states/ID.json start states, shared by all specs."""
 
     def __init__(self, results: Path, spec_name: str):
         self.folder = results / spec_name
@@ -41,6 +41,9 @@ class Store:
 
     def trace_path(self, id: str) -> Path:
         return self.folder / "traces" / f"{id}.json"
+
+    def projection_path(self, id: str) -> Path:
+        return self.folder / "projections" / f"{id}.json"
 
     def counters_path(self, id: str) -> Path:
         return self.folder / "counters" / f"{id}.json"

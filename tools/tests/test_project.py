@@ -14,7 +14,7 @@ from projection.replay import makespan, span  # noqa: E402
 from projection.trace import TraceError, load_trace  # noqa: E402
 
 FREE = Machine()
-COSTS = {"schema": "trigrain-machine-costs-1", "threads": 2, "triad_GB_s": {"1": 10.0, "2": 16.0},
+COSTS = {"schema": "trigrain-machine-costs-1", "threads": 2, "trace_us": 0.05, "triad_GB_s": {"1": 10.0, "2": 16.0},
          "runtimes": {name: {"spawn_us": 0.25, "stolen_us": 0.5, "loop_us": 0.1, "barrier_us": 2.0} for name in ("openmp", "tbb")}}
 
 

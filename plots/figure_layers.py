@@ -1,0 +1,29 @@
+#!/usr/bin/python3
+"""Layers of parallelism, alone and combined: runtime over threads for 10 to 120 vertices per particle."""
+import sys
+from pathlib import Path
+
+from figure import Drawn, command_line
+from records import load_sweep
+from scaling import Panel, draw_scaling
+
+NAME = "figure_layers"
+PUBLISHED = {"triangle": "P17.F3"}
+NOTES = [
+    "Published curves (Krestenitis, Weinzierl and Koziara 2017, figure 3, brute force; another machine of 2013) show their shape "
+    "only: each is scaled so that its one-thread value equals ours. Krestenitis and Weinzierl (2018), figure 4, print seconds "
+    "of two particles that are probably CPU time over cores, and are not laid on.",
+    "Krestenitis, Weinzierl and Koziara (2017), figure 4, give grid and triangles threads of their own, 1 x 12 to 12 x 1; here "
+    "one team serves both layers, and whoever is idle takes what there is.",
+]
+
+
+def draw(results: Path, out: Path) -> Drawn:
+    """Reads RESULTS/figure_layers, writes OUT/figure_layers.svg, .png and .csv."""
+    layers = dict.fromkeys(point.params["layers"] for point in load_sweep(results, NAME).points)
+    panels = [Panel(f"layers: {each}", {"layers": each}, PUBLISHED.get(each)) for each in layers]
+    return draw_scaling(NAME, panels, NOTES, (results, out))
+
+
+if __name__ == "__main__":
+    sys.exit(command_line(draw, __doc__))
