@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Speed-up of two threads over one, and the schemes on one thread beside serial, from repeats that took turns."""
+import packages  # noqa: F401, I001: before all that need them
 import statistics
 import sys
 from pathlib import Path
