@@ -62,7 +62,7 @@ def _draw_ratios(axis: Axes, place: int, style: tuple[str, str], pair: tuple[str
     median = statistics.median(found)
     axis.plot([place] * len(found), found, style[1], color=style[0], alpha=0.35, markersize=5, linestyle="none")
     axis.plot([place - 0.25, place + 0.25], [median, median], color=style[0], linewidth=2)
-    axis.annotate(f"{median:.3f}", (place + 0.27, median), va="center", fontsize=8.5)
+    axis.annotate(f"{median:.3f}", (place + 0.12, median), xytext=(0, 4), textcoords="offset points", fontsize=8.5)
     return [[what, fast.params["grid"], fast.params["scheme"], len(found), f"{median:.5g}", f"{found[0]:.5g}", f"{found[-1]:.5g}",
              slow.id, fast.id]]
 

@@ -46,7 +46,9 @@ def draw_scaling(name: str, panels: list[Panel], notes: list[str], folders: tupl
         for axis, panel in zip(axes[len(panels):], sweep.elsewhere):
             axis.set_title(panel["what"])
             _say(axis, f"needs {panel['needs']}")
-        _finish(figure, axes, sweep, panels)
+        found = [projection_of(points, sweep.folder) for points in _series(panels, sweep).values()]
+        published = any(row[HEADER.index("published_scaled_us")] for row in rows)
+        _finish(figure, axes, sweep, [*_projection_handles(found), *(_published_handles(panels) if published else [])])
         notes = [*_counts(sweep), *_ends(panels, sweep), *notes]
         return save(figure, Drawn(name, sweep, folders[1], notes), HEADER, rows)
 
@@ -206,10 +208,10 @@ def _thread_axis(axis: Axes, threads: list[int]) -> None:
     axis.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _published_label(panels: list[Panel]) -> str:
-    if any(panel.anchor for panel in panels):
-        return "published shape; its plain 1-thread value is laid on ours"
-    return "published shape; its 1-thread value is laid on ours" if any(panel.published for panel in panels) else ""
+def _published_handles(panels: list[Panel]) -> list:
+    whose = "its plain 1-thread value" if any(panel.anchor for panel in panels) else "its 1-thread value"
+    return [Line2D([], [], color=GREY, alpha=0.4, marker="o", markersize=3, linewidth=1.1,
+                   label=f"published shape; {whose} is laid on ours")]
 
 
 def _projection_handles(projections: list[Projection | None]) -> list:
@@ -224,18 +226,14 @@ def _projection_handles(projections: list[Projection | None]) -> list:
     return handles
 
 
-def _finish(figure: Figure, axes: list[Axes], sweep: Sweep, panels: list[Panel]) -> None:
+def _finish(figure: Figure, axes: list[Axes], sweep: Sweep, more: list) -> None:
     axes[0].set_ylabel("runtime per particle and step (µs)")
     handles = []
     for vertices in sorted({point.params["vertices"] for point in sweep.points}):
         colour, marker = _style_of(vertices)
         handles.append(Line2D([], [], color=colour, marker=marker, label=f"{vertices} vertices per particle"))
     handles.append(Line2D([], [], color=GREY, linestyle=":", label="ideal"))
-    handles += _projection_handles([projection_of(points, sweep.folder) for points in _series(panels, sweep).values()])
-    published_label = _published_label(panels)
-    if published_label:
-        handles.append(Line2D([], [], color=GREY, alpha=0.4, marker="o", markersize=3, linewidth=1.1,
-                              label=published_label))
+    handles += more
     figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12, y=0.98)
     figure.legend(handles=handles, loc="lower center", ncol=3, fontsize=8.5, frameon=False, bbox_to_anchor=(0.5, 0.085))
     samples = next((point for point in sweep.drawn()), None)
