@@ -35,9 +35,10 @@ struct Slab {
 };
 
 /// Gilbert (1966): the point of the convex hull of B - A nearest to the origin, by steps towards supports; each gives a
-/// lower bound of the distance. Stops when the bound exceeds `reach` or is near the distance.
+/// lower bound of the distance. Stops when the bound exceeds `reach` or is near the distance, and early where no
+/// direction separates yet: the triangles are asked then.
 FLATTEN_OCTETS Slab separating_slab(const MeshView& a, const MeshView& b, const Placement& at, double reach) {
-  constexpr int steps = 4;
+  constexpr int steps = 8, steps_to_separate = 4;
   Slab best{{1, 0, 0}, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   Point w = at.translation;
   for (int step = 0; step < steps; ++step) {
@@ -48,6 +49,7 @@ FLATTEN_OCTETS Slab separating_slab(const MeshView& a, const MeshView& b, const 
     const Slab slab{u, sa.value, dot(u, at.translation) - sb.value};
     if (slab.gap() > best.gap()) best = slab;
     if (best.gap() > reach || length - best.gap() <= 0.25 * reach) break;
+    if (step + 1 == steps_to_separate && best.gap() <= 0) break;
     const Point d = w - (placed(sb.point, at) - sa.point);
     const double t = clamp01(dot(w, d) * inverse_or_zero(squared(d)));
     if (!(t > 0)) break;
