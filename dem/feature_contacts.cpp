@@ -3,6 +3,7 @@
 #include "kernels/segment.hpp"
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace trigrain {
@@ -42,49 +43,78 @@ struct Facet {
   Box box;
 };
 
+/// Which of many numbers have been met since clear(), without clearing memory.
+class Met {
+ public:
+  void clear(std::size_t count) {
+    if (when_.size() < count) when_.resize(count, 0);
+    ++now_;
+  }
+  bool first_time(int i) {
+    const bool first = when_[i] != now_;
+    when_[i] = now_;
+    return first;
+  }
+
+ private:
+  std::vector<std::uint64_t> when_;
+  std::uint64_t now_ = 0;
+};
+
 /// What one body of a pair has near the other one, in the frame of A.
 struct Side {
   const Mesh* mesh;
-  std::vector<int> faces, indices;
+  std::vector<int> faces;
   std::vector<Facet> facets;
   std::vector<Corner> corners;
   std::vector<Edge> edges;
+  Box box; ///< of all facets
 
-  /// Fills the lists from `faces`, which are sorted here; place(vertex) is where a vertex is.
-  template <class Place> void gather(const Place& place) {
-    const ShapeFeatures& features = mesh->features;
-    sort_unique(faces);
-    facets.clear(), corners.clear(), edges.clear();
+  /// Fills facets and box from `faces`, which are sorted here; place(vertex) is where a vertex is.
+  template <class Place> void gather_facets(const Place& place) {
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    facets.clear();
+    placed_.clear(mesh->vertices.size());
+    at_.resize(std::max(at_.size(), mesh->vertices.size()));
     for (const int f : faces) {
-      Facet facet{mesh->part[f], {}, {}};
-      for (int k = 0; k < 3; ++k) facet.x[k] = place(mesh->faces[f][k]);
+      Facet& facet = facets.emplace_back(Facet{mesh->part[f], {}, {}});
+      for (int k = 0; k < 3; ++k) facet.x[k] = at(mesh->faces[f][k], place);
       facet.box = {facet.x[0], facet.x[0]};
       facet.box.extend(facet.x[1]), facet.box.extend(facet.x[2]);
-      facets.push_back(facet);
+      if (facets.size() == 1) box = facet.box;
+      box.extend(facet.box.low), box.extend(facet.box.high);
     }
-    collect(features.corner_of);
-    for (const int v : indices) corners.push_back({v, place(v)});
-    collect(features.edge_of);
-    for (const int e : indices) {
-      Edge edge{e, place(features.edges[e][0]), place(features.edges[e][1]), {}};
-      edge.box = {edge.x0, edge.x0};
-      edge.box.extend(edge.x1);
-      edges.push_back(edge);
+  }
+
+  /// Fills corners and edges: those of the facets that are near the other body's facets.
+  template <class Place> void gather_features(const Place& place, const Box& other, double reach) {
+    const ShapeFeatures& features = mesh->features;
+    corners.clear(), edges.clear();
+    met_corner_.clear(mesh->vertices.size()), met_edge_.clear(features.edges.size());
+    for (const int f : faces) {
+      for (const int v : features.corner_of[f])
+        if (v >= 0 && met_corner_.first_time(v))
+          if (const Point x = at(v, place); other.near({x, x}, reach)) corners.push_back({v, x});
+      for (const int e : features.edge_of[f]) {
+        if (e < 0 || !met_edge_.first_time(e)) continue;
+        const auto [v0, v1] = features.edges[e];
+        Edge edge{e, at(v0, place), at(v1, place), {}};
+        edge.box = {edge.x0, edge.x0};
+        edge.box.extend(edge.x1);
+        if (other.near(edge.box, reach)) edges.push_back(edge);
+      }
     }
   }
 
  private:
-  static void sort_unique(std::vector<int>& list) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
+  template <class Place> const Point& at(int vertex, const Place& place) {
+    if (placed_.first_time(vertex)) at_[vertex] = place(vertex);
+    return at_[vertex];
   }
-  void collect(const std::vector<std::array<int, 3>>& of_face) {
-    indices.clear();
-    for (const int f : faces)
-      for (const int i : of_face[f])
-        if (i >= 0) indices.push_back(i);
-    sort_unique(indices);
-  }
+
+  Met placed_, met_corner_, met_edge_;
+  std::vector<Point> at_;
 };
 
 /// Writes contacts found in the frame of A into the world's.
@@ -179,6 +209,13 @@ EndOverlap end_overlap(const Point& on_a, const Point& on_b, double reach) {
   return {reach - distance, eigen(on_a), pq / distance};
 }
 
+/// Whether two edges are closest between their ends and within reach, but for rounding: without a division.
+bool may_cross(const Edge& e, const Edge& f, double reach) {
+  const Point u = e.x1 - e.x0, v = f.x1 - f.x0, r = f.x0 - e.x0, n = cross(u, v);
+  const double nn = squared(n), height = dot(r, n), s = dot(cross(r, v), n), t = dot(cross(r, u), n);
+  return (s > 0) & (s < nn) & (t > 0) & (t < nn) & (height * height < reach * reach * nn);
+}
+
 /// The term X of one pair of edges, and half its negative gradient: push and couple about the middle of PQ.
 void edges_cross(int feature_a, int feature_b, const Edge& e, const Edge& f, double reach, Writer& writer) {
   const auto [s, t] = closest_on_segments(e.x0, e.x1, f.x0, f.x1);
@@ -232,15 +269,18 @@ void keep_features(const Particles& particles, std::vector<Contact>& contacts, s
   const Eigen::Quaterniond to_a = particles.orientation[pair.a].conjugate();
   const Eigen::Matrix3d turn = (to_a * particles.orientation[pair.b]).toRotationMatrix();
   const Vector3d centre_b = to_a * (particles.position[pair.b] - particles.position[pair.a]);
-  a.gather([](int v) { return vec3(a.mesh->vertices[v]); });
-  b.gather([&](int v) { return vec3(turn * b.mesh->vertices[v] + centre_b); });
+  const auto place_a = [](int v) { return vec3(a.mesh->vertices[v]); };
+  const auto place_b = [&](int v) { return vec3(turn * b.mesh->vertices[v] + centre_b); };
   const double reach = particles.halo[pair.a] + particles.halo[pair.b];
+  a.gather_facets(place_a), b.gather_facets(place_b);
+  a.gather_features(place_a, b.box, reach), b.gather_features(place_b, a.box, reach);
   Writer writer(particles, pair, contacts);
   corners_against(a, b, true, reach, writer);
   corners_against(b, a, false, reach, writer);
   for (const Edge& e : a.edges)
     for (const Edge& f : b.edges)
-      if (e.box.near(f.box, reach)) edges_cross(edge_name(a, e.index), edge_name(b, f.index), e, f, reach, writer);
+      if (e.box.near(f.box, reach) && may_cross(e, f, reach))
+        edges_cross(edge_name(a, e.index), edge_name(b, f.index), e, f, reach, writer);
   std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(),
             [](const Contact& l, const Contact& r) {
               return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
