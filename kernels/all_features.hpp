@@ -1,5 +1,7 @@
 #pragma once
+#include "kernels/point_triangle.hpp"
 #include "kernels/weights.hpp"
+#include <algorithm>
 
 namespace trigrain {
 
@@ -9,9 +11,11 @@ template <class T> struct PreparedTriangle {
   Corners<T> edge; ///< edge k leads from corner k to corner k + 1
   std::array<T, 3> edge2, inverse_edge2;
   Vec3<T> normal, to_v, to_w; ///< normal = edge[0] x -edge[2], not of unit length
+  T inverse_nn;               ///< of |normal|^2; 0 for a zero-area triangle
   T outside;
   MaskOf<T> slim; ///< height below 0.03 of an edge: heights over the face are too inexact to choose a corner by
-  MaskOf<T> thin; ///< height below 1e-7 of the edges: weights on the face have lost digits that a double's answer needs
+  MaskOf<T> thin; ///< height below 1e-7 (float: 1e-4) of the edges: weights on the face have lost digits that the
+                  ///< answer needs
 };
 
 template <class T> [[gnu::always_inline]] inline PreparedTriangle<T> prepared(const Corners<T>& c) {
@@ -26,12 +30,12 @@ template <class T> [[gnu::always_inline]] inline PreparedTriangle<T> prepared(co
   const T nn = squared(t.normal);
   const T ee = t.edge2[0] * t.edge2[2];
   const auto flat = nn <= constant<T>(cross_noise<T>) * ee;
-  const T inverse_nn = select(flat, T(0), inverse_or_zero(nn));
-  t.to_v = inverse_nn * cross(f, t.normal);
-  t.to_w = inverse_nn * cross(t.normal, t.edge[0]);
+  t.inverse_nn = select(flat, T(0), inverse_or_zero(nn));
+  t.to_v = t.inverse_nn * cross(f, t.normal);
+  t.to_w = t.inverse_nn * cross(t.normal, t.edge[0]);
   t.outside = select(flat, T(2), T(0));
   t.slim = nn < constant<T>(1e-3) * ee;
-  t.thin = nn < constant<T>(1e-14) * ee;
+  t.thin = nn < constant<T>(std::max(1e-14, epsilon_of<T> / 10)) * ee;
   return t;
 }
 
@@ -94,6 +98,16 @@ template <class T> [[gnu::always_inline]] inline void compare_corner(const Vec3<
   best.compare(select(inside, d2, T(std::numeric_limits<ScalarOf<T>>::max())), number, v, w);
 }
 
+/// The same for a slim face, whose to_v and to_w have lost digits: by cross products.
+template <class T> [[gnu::always_inline]] inline void
+compare_corner_with_slim(const Vec3<T>& r, const PreparedTriangle<T>& t, int number, NearestFeature<T>& best) {
+  const Vec3<T> f = T(-1) * t.edge[2];
+  const Barycentric<T> z = project_twice(r, t.edge[0], f, t.normal, t.inverse_nn);
+  const auto inside = (z.v >= T(0)) & (z.w >= T(0)) & (z.v + z.w + t.outside <= T(1));
+  const T d2 = squared(r - (z.v * t.edge[0] + z.w * f));
+  best.compare(select(inside, d2, T(std::numeric_limits<ScalarOf<T>>::max())), T(number), z.v, z.w);
+}
+
 /// The corners of triangle c against the face of t. Where a corner's projection is closest, no other corner is lower:
 /// one comparison does.
 template <class T> [[gnu::always_inline]] inline void compare_corners(const Corners<T>& c, const Vec3<T>& corner_t,
@@ -125,8 +139,8 @@ nearest_feature(const TrianglePair<T>& pair, const PreparedTriangle<T>& a, const
   compare_corners(pair.b, pair.a[0], a, 12, best);
   if (any_of(a.slim | b.slim))
     for (int k = 0; k < 3; ++k) {
-      compare_corner(pair.a[k] - pair.b[0], b, T(9 + k), best);
-      compare_corner(pair.b[k] - pair.a[0], a, T(12 + k), best);
+      compare_corner_with_slim(pair.a[k] - pair.b[0], b, 9 + k, best);
+      compare_corner_with_slim(pair.b[k] - pair.a[0], a, 12 + k, best);
     }
   return best;
 }

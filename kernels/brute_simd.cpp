@@ -30,9 +30,9 @@ template <class T> [[gnu::always_inline]] inline Solved<T> solved(const Triangle
   s.answer.upper = distance + rounding;
   s.answer.feature = feature_of(z);
   s.within = bits_of(distance <= reach);
-  s.doubtful = bits_of(!((distance + rounding + rounding <= reach) | (lower > reach + rounding)));
+  const MaskOf<T> decided = (distance + rounding + rounding <= reach) | (lower > reach + rounding);
+  s.doubtful = bits_of((!decided) | (thin & (distance <= reach + rounding)));
   s.touching = 0;
-  if (std::is_same_v<ScalarOf<T>, double>) s.doubtful |= bits_of(thin & (distance <= reach + rounding));
   if (const auto open = !(lower > T(0)); any_of(open)) {
     const Pierced<T> pierced = pierce(pair);
     const auto crossing = open & pierced.surely;

@@ -93,7 +93,11 @@ inline ZonePoint closest_on_triangle_by_zones(const Vec3<double>& point, const C
   if (dot(cross(ra, rb), n) <= 0 && ae >= 0 && be <= 0) return {a + (ae / squared(e)) * e, 3};                  // AB
   if (dot(cross(rc, ra), n) <= 0 && af >= 0 && cf <= 0) return {a + (af / squared(f)) * f, 5};                  // AC
   if (dot(cross(rb, rc), n) <= 0 && bf >= be && ce >= cf) return {b + clamp01(dot(rb, g) / squared(g)) * g, 6}; // BC
-  const Barycentric<double> z = project_twice(ra, e, f, n, 1 / nn);                                             // ABC
+  Barycentric<double> z = project(ra, e, f, n, 1 / nn), rest{1, 1};                                             // ABC
+  for (int k = 0; k < 5 && std::max(std::fabs(rest.v), std::fabs(rest.w)) > 1e-9; ++k) { // once, but for the thinnest
+    rest = project(ra - (z.v * e + z.w * f), e, f, n, 1 / nn);
+    z = {z.v + rest.v, z.w + rest.w};
+  }
   const double v = clamp01(z.v), w = std::min(clamp01(z.w), 1 - v);
   return {a + v * e + w * f, 7};
 }
