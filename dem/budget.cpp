@@ -43,7 +43,7 @@ KickSums& KickSums::operator+=(const KickSums& o) {
   pending += o.pending;
   held += o.held;
   released += o.released;
-  fast_contacts += o.fast_contacts;
+  fast_bodies += o.fast_bodies, fast_contacts += o.fast_contacts;
   return *this;
 }
 

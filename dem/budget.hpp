@@ -39,6 +39,7 @@ struct KickSums {
   double pending = 0;             ///< of what is dissipated, the part of the second half of the kick (J)
   double held = 0, released = 0;  ///< by the tangential springs: after the kick, and given up in it (J)
   std::int64_t fast_contacts = 0; ///< that springs cannot stop
+  std::int64_t fast_bodies = 0;   ///< that may fly past a contact
   KickSums& operator+=(const KickSums& other);
 };
 /// Adds what contacts dissipate, and the impulse of those with fixed bodies.

@@ -4,6 +4,7 @@
 #include "dem/contact_list.hpp"
 #include "dem/contact_step_limit.hpp"
 #include "dem/critical_step.hpp"
+#include "dem/fast_bodies.hpp"
 #include "dem/forces.hpp"
 #include "dem/motion.hpp"
 #include "dem/step_size.hpp"
@@ -67,7 +68,8 @@ struct Simulation::State {
   Budget budget;
   double tangential_energy = 0, pending = 0; // J, of the last step's tangential springs; of the second half of its kick
   Momentum start_momentum;
-  FastContact first_fast;
+  FastContact first_fast, first_fast_body;
+  std::vector<double> within; // m, see seen_within()
   ContactStepLimit step_limit;
   std::int64_t contact_steps = 0;
   bool has_next_loads = false, pushed = false; // pushed: there was something from outside in the last step
@@ -92,6 +94,7 @@ struct Simulation::State {
                        ": time.step_s). Take a smaller step or a softer contact, or set time.force.");
     step = scene.time.step;
     start_momentum = momentum_of(particles);
+    within = seen_within(particles);
     buffers.resize(team.threads());
     pools = std::vector<TaskPool>(team.threads() + 1);
     layers = layers_named(options.layers == "default" ? scheme.layers : options.layers);
@@ -123,6 +126,9 @@ struct Simulation::State {
   void add_loads_of(int body, Loads& old);
   void settle_budget(const KickSums& kick);
   void watch(StepStats& stats, const KickSums& kick);
+  /// The part of a step (s) in which a contact may begin.
+  double blind_step() const { return control.guards_gaps ? std::min(step.now, scene.time.step) : step.now; }
+  bool flies_blind(int body) const { return fastest_point(particles, body) * blind_step() > within[body]; }
   void integrate();
 };
 
@@ -164,7 +170,10 @@ void Simulation::State::forces(StepStats& stats) {
   Loads& old = has_next_loads ? next_loads : loads; // what was added from outside stays
   motion.resize(particles.size());
   KickSums kick = block_sum(team, particles.size(), sums, [&](int begin, int end, KickSums& sum) {
-    for (int body = begin; body < end; ++body) add_loads_of(body, old);
+    for (int body = begin; body < end; ++body) {
+      add_loads_of(body, old);
+      sum.fast_bodies += flies_blind(body);
+    }
     motion.update(particles, loads, scene.gravity, step.kick(), begin, end);
     add_weight(particles, scene.gravity, step.kick(), begin, end, sum.budget);
     if (pushed) add_outside(particles, outside, motion, step.kick(), begin, end, sum.budget);
@@ -193,9 +202,13 @@ void Simulation::State::settle_budget(const KickSums& kick) {
   pending = kick.pending;
 }
 
-/// Looks for contacts that will not be stopped, and now and then for a step that is too long for the contacts.
+/// Looks for bodies that may fly past a contact between two steps, for contacts that will not be stopped, and now and
+/// then for a step that is too long for the contacts.
 void Simulation::State::watch(StepStats& stats, const KickSums& kick) {
   constexpr int rarely = 256; // steps: costs as much as tens of steps' forces
+  stats.fast_bodies += kick.fast_bodies;
+  for (int i = 0; kick.fast_bodies > 0 && first_fast_body.a < 0; ++i)
+    if (flies_blind(i)) first_fast_body = {time, i, -1, fastest_point(particles, i), within[i] / blind_step()};
   stats.fast_contacts += kick.fast_contacts;
   if (kick.fast_contacts > 0 && first_fast.a < 0) {
     const auto fast = std::ranges::find_if(contacts.contacts(), &Contact::fast);
@@ -284,6 +297,7 @@ Momentum Simulation::momentum_error() const {
 }
 
 const FastContact& Simulation::first_fast_contact() const { return state_->first_fast; }
+const FastContact& Simulation::first_fast_body() const { return state_->first_fast_body; }
 double Simulation::contact_step_limit() const {
   State& s = *state_;
   return s.step_limit.of(s.particles, s.scene.contact, s.contacts, s.team);
@@ -326,6 +340,7 @@ StepStats& StepStats::operator+=(const StepStats& other) {
   fall_backs += other.fall_backs;
   contacts += other.contacts;
   fast_contacts += other.fast_contacts;
+  fast_bodies += other.fast_bodies;
   unstable_steps += other.unstable_steps;
   crossings += other.crossings;
   visited_vertices += other.visited_vertices;

@@ -63,6 +63,7 @@ class Simulation {
   Momentum momentum() const;                     ///< of all bodies
   Momentum momentum_error() const;               ///< momentum less what it was at the start and all impulses since
   const FastContact& first_fast_contact() const; ///< time 0, a -1 if there was none; StepStats counts them
+  const FastContact& first_fast_body() const;    ///< the same of bodies that may have missed one; b is -1
   double contact_step_limit() const;             ///< largest stable step with the last step's contacts (s)
   /// 64 bits that differ when any bit of any position, orientation, velocity or angular momentum does.
   std::uint64_t state_hash() const;

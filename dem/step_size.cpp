@@ -1,4 +1,5 @@
 #include "dem/step_size.hpp"
+#include "dem/fast_bodies.hpp"
 #include "kernels/sphere.hpp"
 #include <algorithm>
 #include <cmath>
@@ -17,9 +18,6 @@ Vector3d acceleration(const StepView& v, int i) {
   if (v.particles.fixed(i)) return Vector3d::Zero();
   return v.gravity + v.particles.inverse_mass[i] * v.loads.force[i];
 }
-
-/// No point of the body is faster than this about its centre (m/s).
-double spin(const Particles& p, int i) { return p.is_sphere(i) ? 0 : p.angular_velocity(i).norm() * p.radius[i]; }
 
 /// Time t (s) in which a gap (m) cannot close at this speed (m/s) and acceleration (m/s2): a step after a last one of
 /// `last` s moves by t (speed + acceleration (last + t) / 2).
@@ -74,12 +72,13 @@ double approach(const StepView& v) {
   };
   for (int i = 0; i < p.size(); ++i) {
     if (p.fixed(i)) continue;
-    const double speed = p.velocity[i].norm() + spin(p, i);
+    const double speed = fastest_point(p, i);
     limit(v.source.room(i), speed, acceleration(v, i).norm());
   }
   std::vector<int> scratch;
   for_pairs(v, [&](BodyPair pair) {
-    const double speed = (p.velocity[pair.a] - p.velocity[pair.b]).norm() + spin(p, pair.a) + spin(p, pair.b);
+    const double speed =
+        (p.velocity[pair.a] - p.velocity[pair.b]).norm() + turning_speed(p, pair.a) + turning_speed(p, pair.b);
     const double pull = (acceleration(v, pair.a) - acceleration(v, pair.b)).norm();
     if (speed == 0 && pull == 0) return true; // they stay as they are
     const double t = step + v.contact_step, horizon = t * (speed + (v.last_step + t) / 2 * pull);
@@ -106,11 +105,11 @@ double gap_only(const StepView& v) {
 }
 
 constexpr StepControl table[] = {
-    {"fixed", "the scene's step throughout", fixed_step},
+    {"fixed", "the scene's step throughout", fixed_step, false},
     {"approach", "no pair comes to overlap within a step; contacts get the scene's step (Krestenitis 2018, safe)",
-     approach},
+     approach, true},
     {"gap-only", "the scene's step near contact, whatever the speed; fast bodies pass through (Krestenitis 2018)",
-     gap_only},
+     gap_only, false},
 };
 
 } // namespace

@@ -21,6 +21,7 @@ struct StepControl {
   std::string_view name;
   std::string_view about;
   double (*next)(const StepView&); ///< s, at least contact_step
+  bool guards_gaps;                ///< no contact can begin within a step that is longer than contact_step
 };
 
 std::span<const StepControl> step_controls();

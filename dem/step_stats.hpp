@@ -20,6 +20,7 @@ struct StepStats {
   std::int64_t fall_backs = 0;       ///< triangle pairs a hybrid kernel redid by brute force
   std::int64_t contacts = 0;         ///< contact points that carried force
   std::int64_t fast_contacts = 0;    ///< that undamped springs could not stop before surfaces cross, over steps
+  std::int64_t fast_bodies = 0;      ///< that moved further than they can be seen, over steps: contacts may be missed
   std::int64_t unstable_steps = 0;   ///< of every 256th step with contacts: longer than contact_step_limit()
   std::int64_t crossings = 0;        ///< pairs found at distance 0: they have no normal and got no force
   std::int64_t visited_vertices = 0; ///< of the grid: those that hold bodies, or all of a dense one; over steps

@@ -63,7 +63,7 @@ Json sample_json(const Sample& sample) {
 }
 
 Json counts_json(const StepStats& stats) {
-  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 17 * sizeof(std::int64_t),
+  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 18 * sizeof(std::int64_t),
                 "a count is missing below");
   return {{"steps", stats.steps},
           {"candidate_pairs", stats.candidate_pairs},
@@ -73,6 +73,7 @@ Json counts_json(const StepStats& stats) {
           {"fall_backs", stats.fall_backs},
           {"contacts", stats.contacts},
           {"fast_contacts", stats.fast_contacts},
+          {"fast_bodies", stats.fast_bodies},
           {"unstable_steps", stats.unstable_steps},
           {"crossings", stats.crossings},
           {"visited_vertices", stats.visited_vertices},

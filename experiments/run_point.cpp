@@ -74,6 +74,7 @@ class Sampler {
     sample.final = simulation.energy();
     sample.momentum_error = simulation.momentum_error();
     sample.first_fast = simulation.first_fast_contact();
+    sample.first_fast_body = simulation.first_fast_body();
     sample.state_hash = simulation.state_hash();
     sample.state = check_state(simulation.particles());
     sample.bodies_outside = bodies_outside(simulation.particles(), point_.scene.domain);
@@ -163,6 +164,15 @@ std::string warning_of(const FastContact& fast, std::int64_t count, double start
   return text.str();
 }
 
+std::string warning_of_body(const FastContact& fast, std::int64_t count, double start_time) {
+  std::ostringstream text;
+  text.precision(3);
+  text << "body " << fast.a << " moved with " << fast.speed << " m/s at t = " << start_time + fast.time
+       << " s, more than the " << fast.limit << " m/s at which no contact can be missed between two steps; " << count
+       << " times in all steps. Take a smaller step or a larger halo";
+  return text.str();
+}
+
 /// The scene as it is when the clock starts.
 Scene warmed_up(const Scene& scene, const BenchRequest& request) {
   if (request.warmup == 0) return scene;
@@ -221,6 +231,8 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
     }
     const Sample& last = point.samples.back();
     point.check.how.push_back(check_step(last, point.scene.time.force));
+    if (last.stats.fast_bodies > 0)
+      point.warnings.push_back(warning_of_body(last.first_fast_body, last.stats.fast_bodies, point.start_time));
     if (last.stats.fast_contacts > 0)
       point.warnings.push_back(warning_of(last.first_fast, last.stats.fast_contacts, point.start_time));
     if (const int outside = point.samples.back().bodies_outside)

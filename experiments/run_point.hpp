@@ -19,7 +19,7 @@ struct Sample {
   std::optional<double> load_average; ///< when it ended
   Energy initial, final;
   Momentum momentum_error;
-  FastContact first_fast;
+  FastContact first_fast, first_fast_body;
   std::uint64_t state_hash = 0; ///< of its last state
   CheckItem state;              ///< that state is finite
   int bodies_outside = 0;

@@ -19,14 +19,15 @@ HERE = Path(__file__).resolve().parent
 
 
 def figures() -> dict[str, str]:
-    """The figures that there are scripts for: "8.4": "figure_8_4"."""
+    """The figures that there are scripts for: "8.4": "figure_8_4", "stability-rest": "stability_rest"."""
     def number(name: str) -> str:
         return re.sub(r"(?<=\d)_(?=\d)", ".", name.removeprefix("figure_")).replace("_", "-")
 
     def in_order(name: str) -> list:
         return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", name)]
 
-    names = sorted((path.stem for path in HERE.glob("figure_*.py")), key=in_order)
+    names = sorted((path.stem for path in HERE.glob("*_*.py") if path.stem.startswith(("figure_", "stability_"))),
+                   key=in_order)
     return {number(name): name for name in names}
 
 

@@ -245,6 +245,26 @@ TEST(Simulation, ContactsTooFastForTheirSpringsAreReported) {
   }
 }
 
+TEST(Simulation, BodiesThatMayFlyPastAContactAreReported) {
+  for (const double share : {.9, 1.1}) { // of the sum of halos, per step
+    Scene scene = tilted_cube();
+    scene.gravity = {0, 0, 0};
+    scene.time.step = 1e-4;
+    Body ball;
+    ball.sphere_radius = .05;
+    ball.halo = 1e-3;
+    ball.position = {0, 5, 0}; // never meets the plane
+    ball.velocity = {0, share * 2e-3 / scene.time.step, 0};
+    scene.bodies[1] = ball;
+    Simulation sim(scene, {});
+    EXPECT_EQ(sim.run(3).fast_bodies, share > 1 ? 3 : 0);
+    EXPECT_EQ(sim.first_fast_body().a, share > 1 ? 1 : -1);
+    if (share > 1) {
+      EXPECT_NEAR(sim.first_fast_body().limit, 20, 1e-9);
+    }
+  }
+}
+
 TEST(Simulation, AStepThatIsTooLongIsRefusedUnlessForcedAndThenCounted) {
   Scene scene = tilted_cube();
   scene.time.step = 2 * critical_step(scene);

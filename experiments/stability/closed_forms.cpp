@@ -25,12 +25,9 @@ Particles after_impact(Body body, double mass, double turn_rate, const StudyRequ
   const double halo = 20 * contact_time;
   Scene scene = empty_scene(100, {.stiffness = k, .damping_ratio = 0, .friction = 0},
                             contact_time / 4 / request.steps_per_contact);
-  double lowest = 1e300;
-  for (const Vector3d& x : body.mesh->vertices)
-    lowest = std::min(lowest, (body.orientation * (body.mesh->origin + body.mesh->axes * x)).y());
   Body floor = floor_body(20, halo);
   floor.position.y() -= halo;
-  body.position = {0, -lowest + .1 * contact_time, 0};
+  body.position = {0, .1 * contact_time - lowest_point(body), 0};
   body.velocity = {0, -1, 0};
   scene.bodies = {floor, body};
   Simulation sim(scene, with(request));

@@ -2,6 +2,7 @@
 #include "experiments/stability/setups.hpp"
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 
 namespace trigrain {
@@ -75,41 +76,87 @@ std::vector<Metric> tessellation(const StudyRequest& request) {
           {"restitution_error", whole.restitution - restitution(.2), {}}};
 }
 
-/// One cube is led around another along a closed path, turning all the while, through contact of corners, edges and
-/// faces; value: cut of the faces.
-std::vector<Metric> loop_work(const StudyRequest& request) {
-  constexpr int points = 40000;
-  const int cut = static_cast<int>(request.value);
+namespace {
+
+/// Where the upper of two cubes is on a closed path at t in [0, 1], turning all the while, so that corners, edges and
+/// faces touch.
+struct Pose {
+  Vector3d x;
+  Eigen::Quaterniond q;
+};
+Pose on_loop(int loop, std::uint64_t seed, double t) {
+  const double w = 2 * std::numbers::pi * t, phase = loop + .37 * static_cast<double>(seed);
+  const Vector3d turn(.06 * std::sin(w), .5 * loop + .4 * std::sin(w + 2 * phase), .06 * std::sin(3 * w + phase));
+  return {edge *
+              Vector3d(.35 * std::sin(w + phase), 1.15 + .05 * std::sin(2 * w + phase), .3 * std::cos(w) + .2 * loop),
+          Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized()))};
+}
+
+/// Two cubes that fill a tenth of their edge with halo, faces cut.
+Scene two_cubes(int cut) {
   Scene scene = empty_scene(2, {.stiffness = 1e4, .damping_ratio = 0, .friction = 0}, 1e-6);
   for (const double y : {0., edge})
     scene.bodies.push_back(mesh_body(box({edge, edge, edge}, cut), mass, {0, y, 0}, .1 * edge));
-  Probe probe(scene, request.contact_rule);
-  double worst = 0, most = 0;
-  for (int loop = 0; loop < 3; ++loop) {
-    const auto pose = [&](double t, Vector3d& x, Eigen::Quaterniond& q) {
-      const double w = 2 * std::numbers::pi * t, phase = loop + .37 * static_cast<double>(request.seed);
-      x = edge *
-          Vector3d(.35 * std::sin(w + phase), 1.15 + .05 * std::sin(2 * w + phase), .3 * std::cos(w) + .2 * loop);
-      const Vector3d turn(.06 * std::sin(w), .5 * loop + .4 * std::sin(w + 2 * phase), .06 * std::sin(3 * w + phase));
-      q = Eigen::AngleAxisd(turn.norm(), turn.normalized());
-    };
-    double work = 0;
-    Vector3d x0, x1, x;
-    Eigen::Quaterniond q0, q1, q;
-    pose(0, x0, q0);
-    for (int i = 0; i < points; ++i) {
-      pose((i + 1.) / points, x1, q1);
-      pose((i + .5) / points, x, q);
-      probe.place(x, q);
-      probe.evaluate();
-      const Eigen::AngleAxisd turned(q1 * q0.conjugate());
-      work += probe.force.dot(x1 - x0) + probe.torque.dot(turned.angle() * turned.axis());
-      most = std::max(most, probe.energy);
-      x0 = x1, q0 = q1;
-    }
-    worst = std::max(worst, std::abs(work));
+  return scene;
+}
+
+/// Work around a loop, from the forces in the middle of `points` pieces of it; `stored` grows to the largest energy.
+double work_around(Probe& probe, const StudyRequest& request, int loop, int points, double& stored) {
+  double work = 0;
+  Pose last = on_loop(loop, request.seed, 0);
+  for (int i = 0; i < points; ++i) {
+    const Pose next = on_loop(loop, request.seed, (i + 1.) / points);
+    const Pose middle = on_loop(loop, request.seed, (i + .5) / points);
+    probe.place(middle.x, middle.q);
+    probe.evaluate();
+    const Eigen::AngleAxisd turned(next.q * last.q.conjugate());
+    work += probe.force.dot(next.x - last.x) + probe.torque.dot(turned.angle() * turned.axis());
+    stored = std::max(stored, probe.energy);
+    last = next;
   }
-  return {{"loop_work", worst / most, 1e-6}, {"stored_J", most, {}}};
+  return work;
+}
+
+} // namespace
+
+std::vector<Metric> loop_work(const StudyRequest& request) {
+  Probe probe(two_cubes(static_cast<int>(request.value)), request.contact_rule);
+  double coarse = 0, fine = 0, stored = 0;
+  for (int loop = 0; loop < 3; ++loop) {
+    coarse = std::max(coarse, std::abs(work_around(probe, request, loop, 2500, stored)));
+    fine = std::max(fine, std::abs(work_around(probe, request, loop, 40000, stored)));
+  }
+  return {
+      {"loop_work", fine / stored, 1e-6}, {"loop_work_at_2500_points", coarse / stored, {}}, {"stored_J", stored, {}}};
+}
+
+/// Time to find the contacts of the cubes on these paths and their forces, in turns with rule `nearest`.
+std::vector<Metric> rule_cost(const StudyRequest& request) {
+  constexpr int points = 200, turns = 9;
+  const Scene scene = two_cubes(static_cast<int>(request.value));
+  Probe own(scene, request.contact_rule), nearest(scene, "nearest");
+  std::size_t contacts = 0;
+  const auto seconds = [&](Probe& probe) {
+    const std::clock_t start = std::clock();
+    contacts = 0;
+    for (int i = 0; i < points; ++i) {
+      const Pose pose = on_loop(i % 3, request.seed, static_cast<double>(i) / points);
+      probe.place(pose.x, pose.q);
+      probe.evaluate();
+      contacts += probe.contacts.size();
+    }
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / points;
+  };
+  std::vector<double> mine, others, ratios;
+  for (int turn = 0; turn < turns; ++turn) {
+    others.push_back(seconds(nearest));
+    mine.push_back(seconds(own));
+    ratios.push_back(mine.back() / others.back());
+  }
+  for (auto* list : {&mine, &ratios}) std::nth_element(list->begin(), list->begin() + turns / 2, list->end());
+  return {{"microseconds", 1e6 * mine[turns / 2], {}},
+          {"of_nearest", ratios[turns / 2], {}},
+          {"contacts", static_cast<double>(contacts) / points, {}}};
 }
 
 /// A cube at rest on a face: where its force acts and how it turns; value: cut of the faces.
@@ -160,8 +207,13 @@ std::vector<Metric> stack(const StudyRequest& request) {
     height = std::max(height, std::abs(p.position[i + 1].y() / y - 1));
     lateral = std::max(lateral, std::hypot(p.position[i + 1].x(), p.position[i + 1].z()) / edge);
   }
+  std::vector<double> load(boxes + 1); // that presses on body i from above (N)
+  for (const Contact& c : sim.contacts()) load[c.a] -= c.force.y();
+  double unequal = 0;
+  for (int i = 0; i < boxes; ++i) unequal = std::max(unequal, std::abs(load[i] / ((boxes - i) * mass * g) - 1));
   const double kinetic = sim.energy().kinetic / (mass * g * mass * g / (4 * k));
-  return {{"height_error", height, 1e-6},
+  return {{"interface_load_error", unequal, 1e-6},
+          {"height_error", height, request.contact_rule == "features" ? std::optional(1e-6) : std::nullopt},
           {"lateral_of_edge", lateral, 1e-6},
           {"kinetic_of_m_g_overlap", kinetic, 1e-9},
           {"contacts", static_cast<double>(sim.contacts().size()), {}}};

@@ -1,7 +1,10 @@
 #include "experiments/stability/setups.hpp"
 #include "dem/forces.hpp"
+#include "dem/hertz.hpp"
 #include "kernels/name_table.hpp"
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace trigrain {
@@ -45,9 +48,23 @@ Body sphere_body(double radius, double mass, const Vector3d& position, double ha
   return body;
 }
 
+double lowest_point(const Body& body) {
+  if (!body.mesh) return -body.sphere_radius;
+  double lowest = 0;
+  for (const Vector3d& x : body.mesh->vertices)
+    lowest = std::min(lowest, (body.orientation * (body.mesh->origin + body.mesh->axes * x)).y());
+  return lowest;
+}
+
 double restitution(double zeta) {
   const double w = std::sqrt(1 - zeta * zeta);
   return std::exp(-zeta / w * (std::numbers::pi - std::atan2(2 * zeta * w, w * w - zeta * zeta)));
+}
+
+double elastic_contact_time(const ContactParameters& contact, double mass, double radius, double speed) {
+  if (contact.law != "hertz-mindlin") return std::numbers::pi * std::sqrt(mass / contact.stiffness);
+  const double k = hertz_pair(contact, radius, std::numeric_limits<double>::infinity(), true).k;
+  return 2.943275 * std::pow(5 * mass * speed * speed / (4 * k), .4) / speed;
 }
 
 Probe::Probe(const Scene& scene, const std::string& contact_rule)

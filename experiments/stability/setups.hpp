@@ -15,8 +15,14 @@ Body floor_body(double width, double halo, int cut = 1);
 Body mesh_body(Mesh mesh, double mass, const Eigen::Vector3d& position, double halo);
 Body sphere_body(double radius, double mass, const Eigen::Vector3d& position, double halo);
 
+/// Height of the body's lowest point over its position (m), negative.
+double lowest_point(const Body& body);
+
 /// Restitution of the clipped spring-dashpot of damping ratio zeta (Schwager & Poeschel 2007).
 double restitution(double zeta);
+
+/// Duration (s) of an undamped impact of a ball of that mass (kg) and radius (m) on a rigid plane at this speed (m/s).
+double elastic_contact_time(const ContactParameters& contact, double mass, double radius, double speed);
 
 /// Force and torque about its centre on body 1 of two bodies at rest, and what the springs hold.
 class Probe {

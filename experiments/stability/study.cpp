@@ -1,9 +1,12 @@
 #include "experiments/stability/study.hpp"
 #include "experiments/stability/closed_forms.hpp"
 #include "experiments/stability/discharge.hpp"
+#include "experiments/stability/halo.hpp"
 #include "experiments/stability/impacts.hpp"
-#include "experiments/stability/limits.hpp"
+#include "experiments/stability/numbers.hpp"
 #include "experiments/stability/rules.hpp"
+#include "experiments/stability/scenes.hpp"
+#include "experiments/stability/steps.hpp"
 #include <cmath>
 
 namespace trigrain {
@@ -16,6 +19,7 @@ constexpr Study table[] = {
     {"loop-work", "work of the contact forces around closed paths of position and turn, over the largest energy stored",
      loop_work},
     {"face-rest", "wander of the contact point and torque of a cube at rest on a face", face_rest},
+    {"rule-cost", "time to find the contacts of two such cubes and their forces", rule_cost},
     {"impact", "tests 1 to 8 (`value`) of Chung & Ooi (2011) with Hertz-Mindlin, as a ball or an icosphere (`level`)",
      impact},
     {"free-top", "period, energy and momentum of a cuboid near its unstable axis", free_top},
@@ -27,15 +31,28 @@ constexpr Study table[] = {
     {"bounce", "time to rest of a bouncing ball of restitution `value`", bounce},
     {"similarity", "the same motion at `value` times the size", similarity},
     {"discharge", "rate at which a bin empties through an opening of `value` grain diameters", discharge},
-    {"step-limit", "observed against predicted critical step: ball (`value` 0), cube on its face (1), three cubes (2)",
-     step_limit},
+    {"critical-step",
+     "observed against predicted: ball (`value` 0), cube on its face (1: no friction, 2, 3: faces cut), three cubes "
+     "(4), "
+     "a cube turned on another (5)",
+     critical_step_study},
     {"rebound", "restitution of an undamped impact at so many steps per contact", rebound},
+    {"rebound-explicit", "the same by explicit Euler, which the engine does not use", rebound_explicit},
     {"long-run", "energy error over `value` bounces", long_run},
-    {"tunnelling", "does a ball at `value` times the response limit pass through a plane?", tunnelling},
-    {"overlap-release", "speed of a ball released from `value` of the largest overlap", overlap_release},
+    {"tunnelling", "does a ball at `value` times the response limit pass through a plate?", tunnelling},
+    {"detection", "is a ball seen that moves `value` times the width of a thin plate per step?", detection},
+    {"overlap-release", "energy of bodies released from `value` of the largest overlap", overlap_release},
     {"cut-floor", "a cube slides over a floor cut `value` x `value`: ripple of the force, tilt of the normal",
      cut_floor},
     {"mass-ratio", "a cube of `value` times the mass on another", mass_ratio},
+    {"long-rest", "a cube rests for `value` steps: drift, turn, kinetic energy", long_rest},
+    {"flat-drop", "a cube drops on its face, tilted by `value` = tilt edge frequency / speed", flat_drop},
+    {"grazing", "bodies meet the floor at `value` degrees from its normal: does any gain energy?", grazing},
+    {"determinism", "a heap's last state with every scheme and grid on `value` threads", determinism},
+    {"far-from-origin", "error of overlaps `value` m from the origin, in several precisions and frames",
+     far_from_origin},
+    {"scale", "share of the kernels' answers that do not scale bit for bit by 2^`value`", scale_invariance},
+    {"degenerate", "meshes with defects and bodies that touch exactly: 0 runs, 1 is refused, 2 fails", degenerate},
     {"stack", "ten cubes on each other: heights, sideways drift, kinetic energy that stays", stack},
 };
 

@@ -113,8 +113,9 @@ KERNEL_BENCH = Program("kernel_bench", {
 STABILITY = Program("stability", {
     "study": Parameter("--study", str, (
         "tessellation", "loop-work", "face-rest", "impact", "free-top", "rigid-impact", "ellipsoid-impact", "slope", "topple",
-        "mesh-sphere", "bounce", "similarity", "discharge", "step-limit", "rebound", "long-run", "tunnelling", "overlap-release",
-        "cut-floor", "mass-ratio", "stack")),
+        "mesh-sphere", "bounce", "similarity", "discharge", "critical-step", "rebound", "rebound-explicit", "long-run", "tunnelling",
+        "detection", "overlap-release", "cut-floor", "mass-ratio", "long-rest", "flat-drop", "grazing", "determinism", "stack", "rule-cost",
+        "far-from-origin", "scale", "degenerate")),
     "contact_rule": Parameter("--contact-rule", str, ("all-pairs", "dedupe", "nearest", "features")),
     "law": Parameter("--law", str, ("spring-dashpot", "hertz-mindlin")),
     "control": Parameter("--control", str, ("fixed", "approach", "gap-only")),

@@ -64,5 +64,68 @@ TEST(ClosedForm, ABouncingBallComesToRestInTime) { expect_within("bounce", {.val
 
 TEST(ClosedForm, ASceneFourTimesAsLargeMovesTheSameBitForBit) { expect_within("similarity", {.value = 4}); }
 
+double metric(const char* study, const StudyRequest& request, std::string_view name) {
+  for (const Metric& m : row_named(studies(), "study", study).run(request))
+    if (m.name == name) return m.value;
+  ADD_FAILURE() << "no metric " << name;
+  return 0;
+}
+
+TEST(Stability, ObservedCriticalStepsAreThePredictedOnes) {
+  for (const double scene : {0., 1., 5.}) expect_within("critical-step", {.value = scene});
+  expect_within("critical-step", {.law = "hertz-mindlin", .value = 0});
+  EXPECT_NEAR(metric("critical-step", {.value = 1}, "textbook_over_observed"), std::sqrt(6), .02);
+}
+
+TEST(Stability, TheErrorOfReboundsFallsWithTheOrderOfTheLaw) {
+  for (const auto& [law, order] : {std::pair("spring-dashpot", 2.), std::pair("hertz-mindlin", 2.5)}) {
+    const auto error = [&](double steps) {
+      return metric("rebound", {.law = law, .steps_per_contact = steps}, "mean_restitution_error");
+    };
+    EXPECT_NEAR(std::log(error(160.3) / error(640.3)) / std::log(640.3 / 160.3), order, .1) << law;
+  }
+  expect_within("rebound", {.steps_per_contact = 20.3});
+}
+
+TEST(Stability, NothingPassesThroughBelowTheResponseLimitOrInSilence) {
+  for (const char* control : {"fixed", "approach"})
+    for (const double value : {.5, .99, 1.01, 3.}) {
+      expect_within("tunnelling", {.control = control, .value = value});
+      expect_within("detection", {.control = control, .value = value});
+    }
+}
+
+TEST(Stability, ReleasedOverlapsReturnWhatTheyStored) {
+  for (const double overlap : {.2, .9}) expect_within("overlap-release", {.value = overlap});
+}
+
+TEST(Stability, CubesOfAnyMassComeToRestOnOneAnother) {
+  for (const double ratio : {1e-2, 3., 30.}) expect_within("mass-ratio", {.value = ratio});
+}
+
+TEST(Stability, ACubeSlidesOverACutFloorAsOverAWholeOne) { expect_within("cut-floor", {.value = 7}); }
+
+TEST(Stability, ACubeStaysWhereItRests) { expect_within("long-rest", {.value = 20000}); }
+
+TEST(Stability, OverlapsAreRightFarFromTheOrigin) {
+  for (const double away : {1., 1e4}) expect_within("far-from-origin", {.value = away, .seed = 5});
+}
+
+TEST(Stability, AnswersScaleBitForBit) {
+  for (const double power : {-20., 13.}) expect_within("scale", {.value = power});
+}
+
+TEST(Stability, MeshesWithDefectsRunOrAreRefused) { expect_within("degenerate", {}); }
+
+TEST(Stability, FlatDropsAreOneFunctionOfTiltAndSpeed) {
+  for (const double theta : {.3, 1.7}) expect_within("flat-drop", {.value = theta});
+}
+
+TEST(Stability, GrazingImpactsGainNoEnergy) {
+  for (const double degrees : {50., 80., 89.}) expect_within("grazing", {.value = degrees, .seed = 4});
+}
+
+TEST(Stability, EverySchemeAndGridGivesTheSameBits) { expect_within("determinism", {.value = 2, .particles = 16}); }
+
 } // namespace
 } // namespace trigrain

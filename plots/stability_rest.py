@@ -1,0 +1,29 @@
+#!/usr/bin/python3
+"""A cube at rest: drift, turn and kinetic energy over up to a million steps."""
+import packages  # noqa: F401, I001: before all that need them
+import sys
+from pathlib import Path
+
+from figure import Drawn, command_line
+from stability import RULES, Line, Panel, by_rule, draw_panels, worst
+
+NAME = "stability_rest"
+PANELS = [
+    Panel(by_rule("long-rest", "drift_m"), "steps", "drift (m)", floor=1e-18),
+    Panel(by_rule("long-rest", "turn_rad"), "steps", "turn (rad)", floor=1e-18),
+    Panel(by_rule("long-rest", "kinetic_of_m_g_overlap"), "steps", "kinetic energy / (m g overlap)", floor=1e-30),
+]
+
+
+def notes(sweep) -> list[str]:
+    return [f"{rule}: drifts by {worst(sweep, Line('', 'long-rest', 'drift_m', {'contact_rule': rule})):.1e} m."
+            for rule in RULES]
+
+
+def draw(results: Path, out: Path) -> Drawn:
+    """Reads RESULTS/stability_rest, writes OUT/stability_rest.svg, .png and .csv."""
+    return draw_panels(NAME, PANELS, notes, results, out)
+
+
+if __name__ == "__main__":
+    sys.exit(command_line(draw, __doc__))
