@@ -107,7 +107,7 @@ void compare_and_spawn(const Detection& d, std::span<const BodyPair> pairs, int 
 
 /// Traverses entries; their comparisons become tasks of about equal cost if pairs are a layer.
 void traverse(const Detection& d, int begin, int end, int worker, Spawn spawn) {
-  constexpr int task_cost = 2000; // triangles: 20 to 100 us, by kernel
+  constexpr int task_cost = 5000; // triangles: 20 to 200 us, by kernel and by how many pairs touch
   DetectTask* task = nullptr;
   int cost = 0;
   for (int entry = begin; entry < end; ++entry) {
