@@ -26,8 +26,9 @@ struct DetectTask : Task {
   int part = 0;
 };
 
-/// What one worker hands over during a step. Refilling does not allocate, and references stay valid.
-struct alignas(128) TaskPool { // neighbours in memory share no cache lines
+/// What one worker hands over during a step. Refilling does not allocate, and references stay valid; two of them share
+/// no cache line.
+struct alignas(128) TaskPool {
   std::deque<DetectTask> tasks;
   int used = 0;
   SplitPairs splits;

@@ -2,8 +2,8 @@
 #include "dem/grid_kind.hpp"
 #include "dem/simulation.hpp"
 #include "kernels/name_table.hpp"
-#include <cmath>
 #include <array>
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace trigrain {
