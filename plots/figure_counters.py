@@ -81,7 +81,7 @@ def stacked(axis: Axes, points: list[Point], title: str, parts_of) -> None:
             axis.bar(place, share, 0.6, bottom, color=colours[phase], label=None if phase in seen else phase)
             seen[phase] = None
             bottom += share
-        text = f"{whole:,.3g}" if parts else "unavailable" if point.state == DRAWN else "answers wrong:\nnot timed"
+        text = number(whole) if parts else "unavailable" if point.state == DRAWN else "answers wrong:\nnot timed"
         axis.text(place, bottom, text, ha="center", va="bottom", fontsize=8.5, color="black" if parts else GREY)
     axis.set_xticks(range(len(points)), [point.params["kernel"] for point in points])
     axis.set(ylabel="share (%)", title=title, xlim=(-0.5, len(points) - 0.5), ylim=(0, 112))
@@ -113,7 +113,7 @@ def published() -> list[list[str]]:
 def table_row(point: Point, counters: dict) -> list[tuple[str, str]]:
     """Names and texts of a row of table 1."""
     if point.state != DRAWN:
-        return [("runtime", "answers wrong: not timed"), ("MFLOP/s", "-"), ("CPI", "-"), ("bandwidth", "-")]
+        return [("runtime", "answers wrong"), ("MFLOP/s", "-"), ("CPI", "-"), ("bandwidth", "-")]
     seconds = statistics.median(sample["wall_s"] / sample["steps"] for sample in point.record["samples"])
 
     def per_step(name: str) -> float | None:
@@ -123,8 +123,13 @@ def table_row(point: Point, counters: dict) -> list[tuple[str, str]]:
     flops, cycles, count, bytes_ = (per_step(name) for name in ("flops_dp", "cycles", "instructions", "dram_bytes"))
     ratios = {"MFLOP/s": flops and 1e-6 * flops / seconds, "CPI": cycles and count and cycles / count,
               "bandwidth": bytes_ and 1e-6 * bytes_ / seconds}
-    texts = [(name, "unavailable" if value is None else f"{value:,.3g}") for name, value in ratios.items()]
+    texts = [(name, "unavailable" if value is None else number(value)) for name, value in ratios.items()]
     return [("runtime", f"{1e3 * seconds:.3g} ms per step"), *texts]
+
+
+def number(value: float) -> str:
+    """Three digits, without a power of ten."""
+    return f"{value:.3g}" if value < 1000 else f"{value:,.0f}"
 
 
 def source(counters: dict) -> str:

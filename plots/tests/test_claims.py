@@ -57,10 +57,20 @@ def test_ratios_hold_for_every_value_of_the_axis(made_up):
         times = 3.0 if "brute" in name else 1.0
         made_up.change("published_kernels", point["id"], samples=[{"cpu_s": times, "wall_s": times, "steps": 1}])
     assert judge(BY_ID["hybrid-1"], made_up.folder).word == PASS
-    assert judge(BY_ID["penalty"], made_up.folder).word == UNTESTABLE
     made_up.change("published_kernels", points["vertices=20 kernel=hybrid-pair"]["id"],
                    samples=[{"cpu_s": 2.0, "wall_s": 1.0, "steps": 1}])
     assert judge(BY_ID["hybrid-1"], made_up.folder).word == FAIL
+
+
+@pytest.mark.parametrize("seconds,unflagged,word", [(0.5, 0, PASS), (0.8, 0, FAIL), (0.5, 0.01, FAIL)])
+def test_the_penalty_method_must_be_faster_and_own_up_to_what_is_wrong(made_up, seconds, unflagged, word):
+    settings = {"lanes": 1, "schedule": "constant", "steps": 4, "tolerance": 1e-3, "particles": 1, "vertices": 1}
+    assert judge(BY_ID["penalty"], made_up.folder).word == UNTESTABLE
+    for name, point in made_up.sweep("figure_kernels", {"kernel": ["brute", "iterative"]}, settings).items():
+        made_up.change("figure_kernels", point["id"], samples=[{"cpu_s": 1 if "brute" in name else seconds, "pairs": 10}],
+                       kernel={"wrong_unflagged_share": unflagged, "error_p99_S": 0.02})
+    verdict = judge(BY_ID["penalty"], made_up.folder)
+    assert verdict.word == word and "below 0.02 S" in verdict.seen
 
 
 @pytest.mark.parametrize("flops,word", [((3e6, 1e6), PASS), ((2e6, 1e6), FAIL), ((None, 1e6), UNTESTABLE), (None, UNTESTABLE)])
