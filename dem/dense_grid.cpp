@@ -77,6 +77,7 @@ double DenseGrid::room(int body) const { return room_[body]; }
 
 void DenseGrid::count(StepStats& stats) const {
   ++stats.searches;
+  stats.settled_bodies += static_cast<std::int64_t>(level_.size());
   stats.levels += finest_ + 1;
   stats.cells += tree_.cells();
   stats.visited_vertices += entries();

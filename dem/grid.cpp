@@ -35,6 +35,7 @@ Grid::Grid(const GridKind& kind, int subdivision, const Domain& domain, const Pa
 void Grid::update(const Particles& particles, Team& team) {
   const std::int64_t refinements = tree_.refinements(), coarsenings = tree_.coarsenings();
   changed_.clear();
+  settled_ = 0;
   settle_all(particles, team);
   tree_.sweep();
   refinements_ = tree_.refinements() - refinements;
@@ -87,6 +88,7 @@ void Grid::settle_all(const Particles& particles, Team& team) {
 /// Takes a body from where it was to the finest vertex it may live at: down through cells that are split, or that the
 /// kind lets it split. A wish of the last traversal splits one level.
 void Grid::settle(int body, const Eigen::Vector3d& x) {
+  ++settled_;
   for (int level = 0; level < body_level_[body]; ++level) tree_.leave(level, tree_.vertex_near(level, anchor_[body]));
   const GridKind& kind = tree_.kind();
   bool wish = wish_[body] != 0;

@@ -93,8 +93,8 @@ class Grid final : public PairSource {
   std::vector<Eigen::AlignedBox3d> box_; // of bodies; those that move have it while they are coarse
   std::unordered_map<int, Reach> fixed_reach_; // per coarse body that is fixed: answers so far
   bool coarse_moves_ = false;
-  std::int64_t refinements_ = 0, coarsenings_ = 0; // of the last update
-  std::vector<int> changed_, merged_;              // scratch
+  std::int64_t refinements_ = 0, coarsenings_ = 0, settled_ = 0; // of the last update
+  std::vector<int> changed_, merged_;                            // scratch
   std::vector<char> has_changed_, leaves_;
   std::vector<std::pair<int, int>> projected_; // scratch: (vertex, body)
 };

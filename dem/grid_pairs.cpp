@@ -64,6 +64,7 @@ void Grid::count(StepStats& stats) const {
   ++stats.searches;
   stats.refinements += refinements_;
   stats.coarsenings += coarsenings_;
+  stats.settled_bodies += settled_;
   stats.levels += occupied_levels();
   stats.cells += tree_.cells();
   stats.visited_vertices += occupied_vertices();

@@ -45,7 +45,8 @@ void Grid::project_to(const Particles& particles, int body, int level) {
   const Spacetree::Level& l = tree_.level(level);
   const Eigen::AlignedBox3d& box = box_[body];
   const auto nearest = [&](const Eigen::Vector3d& x) { return tree_.vertex_near(level, x); };
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(1.5 * l.cell_size); // h, and half a cell for the rounding
+  // Vertices up to h away: rounding to the nearest adds half a cell, and none that it should add is lost.
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant((.5 + 1e-9) * l.cell_size);
   const Index3 low = nearest(box.min() - margin), high = nearest(box.max() + margin);
   const auto first = vertex_.begin() + level_vertices_[level], last = vertex_.begin() + level_vertices_[level + 1];
   const auto visit = [&](int v, const Index3& index) {

@@ -349,6 +349,7 @@ StepStats& StepStats::operator+=(const StepStats& other) {
   cells += other.cells;
   refinements += other.refinements;
   coarsenings += other.coarsenings;
+  settled_bodies += other.settled_bodies;
   searches += other.searches;
   return *this;
 }

@@ -29,6 +29,7 @@ struct StepStats {
   std::int64_t cells = 0;            ///< of the grid, on all levels, summed over steps
   std::int64_t refinements = 0;      ///< cells that were split
   std::int64_t coarsenings = 0;      ///< split cells that were made whole again
+  std::int64_t settled_bodies = 0;   ///< that the grid took to another vertex or asked to: its structural work
   std::int64_t searches = 0;         ///< steps in which the grid was updated and asked for pairs
 
   StepStats& operator+=(const StepStats& other);

@@ -60,7 +60,7 @@ void VerletList::count(StepStats& stats) const {
   if (searched_)
     for (const Block& block : blocks_) of_source.candidate_pairs += block.compared;
   else
-    of_source.searches = of_source.refinements = of_source.coarsenings = 0;
+    of_source.searches = of_source.settled_bodies = of_source.refinements = of_source.coarsenings = 0;
   stats += of_source;
 }
 

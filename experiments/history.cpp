@@ -27,6 +27,7 @@ nlohmann::ordered_json History::to_json() const {
   column("cells", [](const Row& r) { return r.sum.cells; });
   column("refinements", [](const Row& r) { return r.sum.refinements; });
   column("coarsenings", [](const Row& r) { return r.sum.coarsenings; });
+  column("settled_bodies", [](const Row& r) { return r.sum.settled_bodies; });
   return columns;
 }
 

@@ -63,7 +63,7 @@ Json sample_json(const Sample& sample) {
 }
 
 Json counts_json(const StepStats& stats) {
-  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 18 * sizeof(std::int64_t),
+  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 19 * sizeof(std::int64_t),
                 "a count is missing below");
   return {{"steps", stats.steps},
           {"candidate_pairs", stats.candidate_pairs},
@@ -82,6 +82,7 @@ Json counts_json(const StepStats& stats) {
           {"cells", stats.cells},
           {"refinements", stats.refinements},
           {"coarsenings", stats.coarsenings},
+          {"settled_bodies", stats.settled_bodies},
           {"searches", stats.searches}};
 }
 

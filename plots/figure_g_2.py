@@ -58,8 +58,9 @@ def notes(rows: list[list]) -> list[str]:
     for *case, grid, _, compared, _ in rows:
         sums.setdefault((*case, grid), []).append(float(compared))
     mean = {key: sum(values) / len(values) for key, values in sums.items()}
-    lines = ["Published: reluctant 1.3 to 1.5 orders below regular for 1:20. There a regular grid compares a pair at every "
-             "vertex it meets; here each grid compares a pair once, and the regular one next to none that are far apart."]
+    lines = ["Published: reluctant 1.3 to 1.5 orders below regular for 1:20, and up to 8 comparisons of one pair in a step "
+             "(figure 3). Here every grid compares a pair at most once in a step; the published counts of this experiment "
+             "are not at hand to be drawn beside."]
     for particles, ratio, gravity in dict.fromkeys(key[:3] for key in mean):
         regular, reluctant = (mean.get((particles, ratio, gravity, grid)) for grid in ("regular", "reluctant"))
         if regular and reluctant:

@@ -125,10 +125,61 @@ TEST(Grid, AFixedMeshAppearsOnlyAtVerticesNearItsTriangles) {
   const auto with_wall = std::count_if(pairs.begin(), pairs.end(), [](const auto& p) { return p.first.first == 0; });
   EXPECT_EQ(with_wall, grid.virtual_copies());
   EXPECT_EQ(with_wall, 0) << "no ball is closer than .045 to the wall, and cells are .0123 wide";
-  particles.position[450] = {.5, .515, .5};
+  particles.position[450] = {.5, .512, .5};
   grid.update(particles, one_thread());
   EXPECT_TRUE(pairs_of(grid, particles).contains({0, 450}));
   EXPECT_EQ(grid.virtual_copies(), 1);
+}
+
+/// A coarse body ends just too far from the vertex of a fine one to leave a copy there, and the fine one is as near to
+/// it as its vertex lets it: all that is between them is half of (cell - diameter).
+TEST(Grid, ACoarseBodyAndAFineOneShareTheRoomBetweenThem) {
+  constexpr double cell = 1. / 27, tiny = 1e-6;
+  const Vector3d vertex = Vector3d(20, 14, 14) * cell;
+  Particles particles;
+  Body fine, coarse;
+  fine.sphere_radius = .0065;
+  fine.position = vertex - Vector3d(cell / 2 - tiny, 0, 0);
+  coarse.sphere_radius = .1;
+  coarse.position = vertex - Vector3d(cell + coarse.sphere_radius + tiny, 0, 0);
+  particles.add(fine);
+  particles.add(coarse);
+  for (const char* name : {"regular", "adaptive"}) {
+    Grid grid(kind(name), 3, {}, particles);
+    grid.update(particles, one_thread());
+    ASSERT_TRUE(pairs_of(grid, particles).empty()) << "a copy where the coarse body does not reach";
+    EXPECT_GT(grid.room(0), 0);
+    EXPECT_GT(grid.room(1), 0);
+    check_pairs(grid, particles);
+  }
+}
+
+/// Two balls a little more than the skin's reach apart come together, each by less than three skins.
+TEST(Grid, PairsAreKeptUntilABodyHasMovedByTheSkin) {
+  constexpr double diameter = .02, skin = .1 * diameter;
+  Particles particles;
+  for (const double x : {.5, .5 + diameter + 2.5 * skin}) {
+    Body ball;
+    ball.sphere_radius = diameter / 2;
+    ball.position = {x, .5, .5};
+    particles.add(ball);
+  }
+  for (const GridKind& kind : grid_kinds()) {
+    Particles p = particles;
+    const auto source = make_pair_source({kind.name, 3, .1}, {}, p);
+    const auto searched = [&](double moved) {
+      p.position[0].x() = particles.position[0].x() + moved;
+      p.position[1].x() = particles.position[1].x() - moved;
+      source->update(p, one_thread());
+      StepStats stats;
+      source->count(stats);
+      return stats.searches;
+    };
+    EXPECT_EQ(searched(0), 1) << kind.name;
+    EXPECT_EQ(searched(.99 * skin), 0) << kind.name;
+    EXPECT_EQ(searched(1.3 * skin), 1) << kind.name;
+    EXPECT_TRUE(pairs_of(*source, p).contains({0, 1})) << kind.name << ": they overlap";
+  }
 }
 
 TEST(Grid, BodiesOutsideTheDomainStillMeet) {

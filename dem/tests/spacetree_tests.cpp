@@ -29,6 +29,13 @@ std::size_t compare_all(Grid& grid, const Particles& particles) {
   return pairs.size();
 }
 
+/// What the last update did.
+StepStats count(const Grid& grid) {
+  StepStats stats;
+  grid.count(stats);
+  return stats;
+}
+
 /// Does a vertex hang: are not all cells of its level around it there?
 bool hangs(const Spacetree& tree, int k, int level, const Index3& vertex) {
   if (level == 0) return false;
@@ -78,10 +85,26 @@ TEST(Spacetree, AtRestNothingIsSplitOrJoined) {
   for (const char* kind : {"adaptive", "reluctant"}) {
     Grid grid = grid_of(kind, 3, p);
     for (int step = 0; step < 20; ++step) compare_all(grid, p);
-    const std::int64_t cells = grid.tree()->cells(), work = grid.tree()->refinements() + grid.tree()->coarsenings();
-    for (int step = 0; step < 20; ++step) compare_all(grid, p);
-    EXPECT_EQ(grid.tree()->cells(), cells) << kind;
-    EXPECT_EQ(grid.tree()->refinements() + grid.tree()->coarsenings(), work) << kind;
+    for (int step = 0; step < 20; ++step) {
+      compare_all(grid, p);
+      const StepStats stats = count(grid);
+      EXPECT_EQ(stats.refinements + stats.coarsenings, 0) << kind;
+      EXPECT_EQ(stats.settled_bodies, 0) << kind << ": they stay where they are";
+    }
+  }
+}
+
+TEST(Spacetree, OnlyBodiesThatComeToAnotherVertexAreSettled) {
+  Particles p;
+  for (int i = 0; i < 1000; ++i)
+    p.add(ball(.02, Vector3d(.05 + .1 * (i % 10), .05 + .1 * (i / 10 % 10), .05 + .1 * (i / 100))));
+  Grid grid = grid_of("adaptive", 3, p);
+  for (int step = 0; step < 3; ++step) compare_all(grid, p);
+  const double cell = grid.tree()->level(grid.level_of(0)).cell_size;
+  for (const int movers : {1, 10, 100}) {
+    for (int i = 0; i < movers; ++i) p.position[i].z() += cell;
+    compare_all(grid, p);
+    EXPECT_EQ(count(grid).settled_bodies, movers);
   }
 }
 
