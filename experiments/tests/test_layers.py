@@ -17,7 +17,7 @@ PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "shape_file", "shape_features"}
          "scheme": {"scheme"}, "forces": {"forces"}, "motion": {"motion"}, "step_stats": {"step_stats"},
          "simulation": {"simulation"}, "random": {"random"}, "step_size": {"step_size"}, "loads": {"loads"},
          "phase_observer": {"phase_observer"}, "contact_step_limit": {"contact_step_limit"}, "contact_law": {"contact_law"},
-         "budget": {"budget"}, "json_reader": {"json_reader"}, "block_sum": {"block_sum"}}
+         "budget": {"budget"}, "json_reader": {"json_reader"}, "block_sum": {"block_sum"}, "fast_bodies": {"fast_bodies"}}
 BASE = {"mesh": {"random"}, "scene": {"mesh", "random", "json_reader"}, "particles": {"scene", "mesh"}, "random": set(),
         "json_reader": set(), "loads": set(), "step_stats": set(), "phase_observer": {"step_stats"}, "runtime": {"phase_observer", "step_stats"}}
 MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime", "step_stats"}, "contact": set(), "contact_rule": {"contact", "particles", "mesh"},
@@ -28,7 +28,8 @@ MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime", "step_stats"}, "cont
                   "budget": {"particles", "contact", "loads"}, "block_sum": {"runtime"},
                   "contact_step_limit": {"particles", "contact", "scene", "contact_law", "contact_list", "runtime", "block_sum"},
                   "motion": {"particles", "contact", "scene", "loads"},
-                  "step_size": {"grid", "particles", "loads"},
+                  "fast_bodies": {"particles"},
+                  "step_size": {"grid", "particles", "loads", "fast_bodies"},
                   "simulation": set(PARTS) - {"simulation"}}
 
 
