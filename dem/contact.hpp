@@ -7,7 +7,7 @@ namespace trigrain {
 struct Contact {
   int a, b;                            ///< bodies, a < b
   int feature_a, feature_b;            ///< what touches: triangle or piece of surface, as the contact rule says
-  Eigen::Vector3d point{0, 0, 0};      ///< midpoint of the closest points P on A and Q on B (m)
+  Eigen::Vector3d point{0, 0, 0};      ///< between the closest points P on A and Q on B, Particles::contact_place (m)
   Eigen::Vector3d normal{0, 0, 0};     ///< unit, from Q to P: towards A
   double overlap = 0;                  ///< sum of halos - |PQ| (m), > 0
   double share = 1;                    ///< of a spring's energy: the spring holds k share overlap^2 / 2

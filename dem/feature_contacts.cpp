@@ -121,20 +121,20 @@ struct Side {
 class Writer {
  public:
   Writer(const Particles& p, const Contact& pair, std::vector<Contact>& contacts)
-      : a_(pair.a), b_(pair.b), origin_(p.position[pair.a]), turn_(p.orientation[pair.a].toRotationMatrix()),
-        contacts_(contacts) {}
+      : a_(pair.a), b_(pair.b), place_(p.contact_place(a_, b_)), origin_(p.position[a_]),
+        turn_(p.orientation[a_].toRotationMatrix()), contacts_(contacts) {}
 
-  /// P on A, Q on B; `push` and `couple` are those of Contact in the frame of A.
+  /// P on A, Q on B; `push` is that of Contact in the frame of A, `couple` the same but about P.
   void add(int feature_a, int feature_b, const Vector3d& p, const Vector3d& q, double reach, double share,
            const Vector3d& push, const Vector3d& couple) {
     Contact& c = contacts_.emplace_back(Contact{.a = a_, .b = b_, .feature_a = feature_a, .feature_b = feature_b});
     const double distance = (p - q).norm();
-    c.point = origin_ + turn_ * ((p + q) / 2);
+    c.point = origin_ + turn_ * ((1 - place_) * p + place_ * q);
     c.normal = turn_ * ((p - q) / distance);
     c.overlap = reach - distance;
     c.share = share;
     c.push = turn_ * push;
-    c.couple = turn_ * couple;
+    c.couple = turn_ * (couple + (place_ * (p - q)).cross(push)); // from P to the point
   }
   void add(int feature_a, int feature_b, const Vector3d& p, const Vector3d& q, double reach) {
     const double distance = (p - q).norm();
@@ -143,6 +143,7 @@ class Writer {
 
  private:
   int a_, b_;
+  double place_;
   Vector3d origin_;
   Eigen::Matrix3d turn_;
   std::vector<Contact>& contacts_;
@@ -216,7 +217,7 @@ bool may_cross(const Edge& e, const Edge& f, double reach) {
   return (s > 0) & (s < nn) & (t > 0) & (t < nn) & (height * height < reach * reach * nn);
 }
 
-/// The term X of one pair of edges, and half its negative gradient: push and couple about the middle of PQ.
+/// The term X of one pair of edges, and half its negative gradient: push and couple about P.
 void edges_cross(int feature_a, int feature_b, const Edge& e, const Edge& f, double reach, Writer& writer) {
   const auto [s, t] = closest_on_segments(e.x0, e.x1, f.x0, f.x1);
   if (!(s > 0 && s < 1 && t > 0 && t < 1)) return;
@@ -233,8 +234,8 @@ void edges_cross(int feature_a, int feature_b, const Edge& e, const Edge& f, dou
   const double a = std::min(1., (psi(1 - s) * e0.phi() + psi(s) * e1.phi()) / phi),
                b = std::min(1., (psi(1 - t) * f0.phi() + psi(t) * f1.phi()) / phi);
   const double share = (1 - a) * (1 - b);
-  if (share < 1e-12) return;                                             // parallel, or at an end: what rounding leaves
-  Vector3d push = (1 - a * b) * overlap / distance * r, couple(0, 0, 0); // couple about P
+  if (share < 1e-12) return; // parallel, or at an end: what rounding leaves
+  Vector3d push = (1 - a * b) * overlap / distance * r, couple(0, 0, 0);
   const auto relieve = [&](double weight, const EndOverlap& end) {
     const Vector3d back = -weight * end.overlap * end.normal;
     push += back;
@@ -250,7 +251,6 @@ void edges_cross(int feature_a, int feature_b, const Edge& e, const Edge& f, dou
     push -= (by_s * (vv * u - uv * v) + by_t * (uv * u - uu * v)) / nn;
     couple -= (by_s * vv + by_t * uv) / nn * u.cross(r);
   }
-  couple += (r / 2).cross(push); // from P to the middle
   writer.add(feature_a, feature_b, p, q, reach, share, push, couple);
 }
 

@@ -38,7 +38,8 @@ void collide_spheres(const Particles& particles, BodyPair pair, WorkerBuffer& bu
   const double centres = ab.norm(), ra = particles.radius[pair.a], rb = particles.radius[pair.b];
   const double gap = std::max(0., centres - ra - rb); // crossing spheres: as crossing triangles
   const Vector3d n = centres > 0 ? (ab / centres).eval() : Vector3d::UnitX();
-  add_contact(pair, 0, 0, particles.position[pair.a] + (ra + gap / 2) * n, -gap * n, buffer);
+  const double place = ra + particles.contact_place(pair.a, pair.b) * gap;
+  add_contact(pair, 0, 0, particles.position[pair.a] + place * n, -gap * n, buffer);
 }
 
 /// Every triangle closer to the sphere than reach, in the frame of the mesh.
@@ -46,7 +47,7 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
   const bool sphere_is_a = particles.is_sphere(pair.a);
   const int sphere = sphere_is_a ? pair.a : pair.b, body = sphere_is_a ? pair.b : pair.a;
   const TrianglesView triangles = particles.mesh[body]->triangles.view();
-  const double r = particles.radius[sphere];
+  const double r = particles.radius[sphere], place = particles.contact_place(body, sphere);
   const Vec3<double> centre = vec3(to_body(particles, body, particles.position[sphere]));
   narrow.precheck->triangles(triangles, centre, r + buffer.reach, buffer.near);
   for (int i : buffer.near) {
@@ -55,7 +56,7 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
     const Vector3d to_centre = particles.orientation[body] * eigen(centre - nearest.point);
     const double distance = to_centre.norm(), gap = std::max(0., distance - r);
     const Vector3d gap_vector = distance > 0 ? (gap / distance * to_centre).eval() : Vector3d::Zero(); // to the sphere
-    const Vector3d point = particles.position[sphere] - to_centre + gap_vector / 2;
+    const Vector3d point = particles.position[sphere] - to_centre + place * gap_vector;
     if (sphere_is_a)
       add_contact(pair, 0, i, point, gap_vector, buffer);
     else
@@ -86,11 +87,12 @@ void add_contacts(const Particles& particles, BodyPair pair, const Candidates& c
                   WorkerBuffer& buffer) {
   if (hits.empty()) return;
   const Eigen::Matrix3d to_world = particles.orientation[pair.a].toRotationMatrix();
+  const double place = particles.contact_place(pair.a, pair.b);
   for (int k = 0; k < hits.size(); ++k) {
     const Hit hit = hits[k];
     const Vector3d p = eigen(hit.closest.p), q = eigen(hit.closest.q);
-    add_contact(pair, hit.i, candidates.number_b[hit.j], particles.position[pair.a] + to_world * ((p + q) / 2),
-                to_world * (p - q), buffer);
+    add_contact(pair, hit.i, candidates.number_b[hit.j],
+                particles.position[pair.a] + to_world * ((1 - place) * p + place * q), to_world * (p - q), buffer);
   }
 }
 

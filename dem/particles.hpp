@@ -21,6 +21,11 @@ struct Particles {
 
   int size() const { return static_cast<int>(position.size()); }
   bool fixed(int i) const { return inverse_mass[i] == 0; }
+  /// Where between the closest points P on a and Q on b their contact acts: 0 at P, 1 at Q. Nearer to the surface of
+  /// the lighter body, and on that of a body that meets a fixed one: there halos lengthen no lever.
+  double contact_place(int a, int b) const {
+    return fixed(b) ? 0 : inverse_mass[b] / (inverse_mass[a] + inverse_mass[b]);
+  }
   bool is_sphere(int i) const { return mesh[i] == nullptr; }
   /// World frame (rad/s); 0 for fixed bodies.
   Eigen::Vector3d angular_velocity(int i) const;

@@ -46,6 +46,8 @@ Request read(int argc, char** argv, CLI::App& app) {
   app.add_option("--value", r.options.value, "the quantity that the study varies");
   app.add_option("--level", r.options.level, "of an icosphere that stands for a ball; -1: a sphere");
   app.add_option("--steps-per-contact", r.options.steps_per_contact)->check(CLI::PositiveNumber);
+  app.add_option("--stiffness", r.options.stiffness, "times what the study takes by itself")
+      ->check(CLI::PositiveNumber);
   app.add_option("--particles", r.options.particles, "grains")->check(CLI::PositiveNumber);
   app.add_option("--vertices", r.options.vertices, "points of a granulate; 0: spheres")->check(CLI::NonNegativeNumber);
   app.add_option("--seed", r.options.seed);
@@ -80,6 +82,7 @@ Json record_of(const Request& r, const std::vector<Metric>& metrics, double wall
         {"value", o.value},
         {"level", o.level},
         {"steps_per_contact", o.steps_per_contact},
+        {"stiffness", o.stiffness},
         {"particles", o.particles},
         {"vertices", o.vertices},
         {"seed", o.seed}}},

@@ -31,6 +31,7 @@ class Drawn:
     sweep: Sweep
     folder: Path
     notes: list[str] = field(default_factory=list)
+    open_table: bool = False  # the report shows the numbers unfolded
 
     def path(self, ending: str) -> Path:
         return self.folder / f"{self.name}.{ending}"

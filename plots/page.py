@@ -52,7 +52,7 @@ def numbers(drawn: Drawn) -> str:
         return ""
     more = f"<p>The first {TABLE_LIMIT} of {len(rows)} rows; the CSV has all.</p>" if len(rows) > TABLE_LIMIT else ""
     shown = table([escape(cell) for cell in header], [[escape(cell) for cell in row] for row in rows[:TABLE_LIMIT]])
-    return f"<details><summary>The {len(rows)} rows of numbers</summary>{shown}{more}</details>"
+    return f"<details{' open' if drawn.open_table else ''}><summary>The {len(rows)} rows of numbers</summary>{shown}{more}</details>"
 
 
 def claims(rows: list[dict]) -> str:

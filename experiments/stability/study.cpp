@@ -1,6 +1,7 @@
 #include "experiments/stability/study.hpp"
 #include "experiments/stability/closed_forms.hpp"
 #include "experiments/stability/discharge.hpp"
+#include "experiments/stability/friction.hpp"
 #include "experiments/stability/halo.hpp"
 #include "experiments/stability/impacts.hpp"
 #include "experiments/stability/numbers.hpp"
@@ -27,6 +28,9 @@ constexpr Study table[] = {
     {"ellipsoid-impact", "the same of a mesh ellipsoid (1, 1, 2)", ellipsoid_impact},
     {"slope", "a block slides (`value` 30) or rests (20 degrees)", slope},
     {"topple", "a map of blocks that slide, topple or rest", topple},
+    {"rolling-ball", "a ball slides until it rolls (`value` 0), or rolls down a slope of `value` degrees",
+     rolling_ball},
+    {"rolling-polygon", "spin that a prism of `value` corners keeps at each facet it rolls over", rolling_polygon},
     {"mesh-sphere", "what an icosphere of `level` misses of a sphere", mesh_sphere},
     {"bounce", "time to rest of a bouncing ball of restitution `value`", bounce},
     {"similarity", "the same motion at `value` times the size", similarity},

@@ -25,6 +25,7 @@ struct StudyRequest {
   int level = -1;                  ///< cuts of an icosphere that stands for a ball; -1: a true sphere
   double value = 1;                ///< the quantity that the study varies; its row says which
   double steps_per_contact = 50.3; ///< N; a whole number would always meet the contact at the same phase
+  double stiffness = 1;            ///< times what the study takes by itself
   int particles = 400;             ///< grains
   int vertices = 0;                ///< points of a granulate; 0: spheres
   std::uint64_t seed = 1;

@@ -113,7 +113,8 @@ KERNEL_BENCH = Program("kernel_bench", {
 STABILITY = Program("stability", {
     "study": Parameter("--study", str, (
         "tessellation", "loop-work", "face-rest", "impact", "free-top", "rigid-impact", "ellipsoid-impact", "slope", "topple",
-        "mesh-sphere", "bounce", "similarity", "discharge", "critical-step", "rebound", "rebound-explicit", "long-run", "tunnelling",
+        "rolling-ball", "rolling-polygon", "mesh-sphere", "bounce", "similarity", "discharge", "critical-step", "rebound",
+        "rebound-explicit", "long-run", "tunnelling",
         "detection", "overlap-release", "cut-floor", "mass-ratio", "long-rest", "flat-drop", "grazing", "determinism", "stack", "rule-cost",
         "far-from-origin", "scale", "degenerate")),
     "contact_rule": Parameter("--contact-rule", str, ("all-pairs", "dedupe", "nearest", "features")),
@@ -122,6 +123,7 @@ STABILITY = Program("stability", {
     "value": Parameter("--value", float),
     "level": Parameter("--level", int, least=-1),
     "steps_per_contact": Parameter("--steps-per-contact", float, least=1),
+    "stiffness": Parameter("--stiffness", float, least=1e-9),
     "particles": Parameter("--particles", int, least=1),
     "vertices": Parameter("--vertices", int, least=0),
     "seed": Parameter("--seed", int, least=0),

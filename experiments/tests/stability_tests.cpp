@@ -29,6 +29,25 @@ TEST(Impact, TheEightTestsOfChungAndOoi) {
     expect_within("impact", {.value = static_cast<double>(test), .steps_per_contact = 100.3});
 }
 
+TEST(Impact, MeshBallsConvergeToTrueOnes) {
+  for (const double test : {1., 2., 4., 6.}) {
+    double last = 1;
+    for (const int level : {1, 3}) {
+      const auto metrics = row_named(studies(), "study", "impact").run({.level = level, .value = test});
+      EXPECT_LT(metrics[0].value, last / 4) << "test " << test << ", level " << level;
+      last = metrics[0].value;
+    }
+  }
+}
+
+TEST(ClosedForm, BallsSlideAndRoll) {
+  for (const double degrees : {0., 10., 60.}) expect_within("rolling-ball", {.value = degrees});
+}
+
+TEST(ClosedForm, PrismsRollOverTheirEdges) {
+  for (const double corners : {8., 16.}) expect_within("rolling-polygon", {.value = corners, .stiffness = .01});
+}
+
 TEST(ClosedForm, FreeTops) {
   for (const double top : {1., 2.}) expect_within("free-top", {.value = top});
 }
