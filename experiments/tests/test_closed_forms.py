@@ -101,8 +101,8 @@ def test_a_free_top_follows_eulers_equations(end_of, size, spin, q):
 
 # --- C5, C6: blocks on slopes
 
-def block_on_slope(end_of, size, angle, mu, end, stiffness=1e6, halo=5e-4) -> tuple[dict, float]:
-    """The block after `end` (s), and how far and deep the spring carries it at first."""
+def block_on_slope(end_of, size, angle, mu, end, stiffness=1e6, halo=5e-4) -> dict:
+    """The block after `end` (s); it begins where its springs carry it."""
     mass = 1200 * np.prod(size)
     sag = mass * G * cos(angle) / (4 * stiffness)
     after = end_of({"stiffness_N_m": stiffness, "damping_ratio": .5, "friction": mu}, {"step_s": 2e-5, "end_s": end},
@@ -143,7 +143,7 @@ def test_a_ball_slides_until_it_rolls(end_of, radius, mu, speed, halo):
     wall, stiffness = 1e-3, mass * 1e6
     rolls = 2 * speed / (7 * mu * G)
     bodies = [floor(wall, width=40), {"shape": {"sphere_m": radius}, "halo_m": halo, "velocity_m_s": [speed, 0, 0],
-                            "position_m": [0, radius + wall + halo - mass * G / stiffness, 0]}]
+                                      "position_m": [0, radius + wall + halo - mass * G / stiffness, 0]}]
     contact, step = {"stiffness_N_m": stiffness, "damping_ratio": .3, "friction": mu}, 4e-5
     sliding = end_of(contact, {"step_s": step, "end_s": .6 * rolls}, bodies, (0, -G, 0), 80)[1]
     rolling = end_of(contact, {"step_s": step, "end_s": 1.5 * rolls}, bodies, (0, -G, 0), 80)[1]
