@@ -56,14 +56,14 @@ def test_a_cuboid_rebounds_and_spins(end_of, size, angle, axis, e, speed):
     arm = np.cross(lowest, normal)
     impulse = (1 + e) * speed / (1 / mass + arm @ np.linalg.solve(inertia, arm))
     spin = np.linalg.solve(inertia, impulse * arm)
-    contact_time = 5e-5 * size.min() / speed
+    contact_time = 5e-5 * size.min() / speed  # a dashpot sets in with a jump: where in a step it does is an error of order 1 / N
     stiffness = mass * (pi / contact_time)**2
     halo = 10 * speed * contact_time
     bodies = [floor(halo, -halo),
               {"shape": {"box_m": list(size)}, "position_m": [0, -lowest[1] + .1 * halo, 0], "orientation_wxyz": q,
                "velocity_m_s": [0, -speed, 0], "density_kg_m3": density}]
     after = end_of({"stiffness_N_m": stiffness, "restitution": e, "friction": 0},
-                   {"step_s": contact_time / 150, "end_s": 8 * contact_time}, bodies)[1]
+                   {"step_s": contact_time / (150 if e == 1 else 4000), "end_s": 8 * contact_time}, bodies)[1]
     scale = np.linalg.norm(spin) + speed / size.max()
     assert after["velocity_m_s"] == pytest.approx([0, impulse / mass - speed, 0], abs=1e-3 * speed)
     assert after["angular_velocity_rad_s"] == pytest.approx(spin, abs=1e-3 * scale)
@@ -193,7 +193,7 @@ def test_two_unequal_balls_meet(end_of, law):
     radii, density, e, speed = (.03, .05), 3000, .4, (1.5, -.5)
     masses = [density * 4 / 3 * pi * r**3 for r in radii]
     after = end_of({"law": law, "stiffness_N_m": 1e7, "youngs_modulus_Pa": 1e9, "restitution": e, "friction": .5},
-                   {"step_s": 1e-6, "end_s": .01},
+                   {"step_s": 1e-7, "end_s": .004},
                    [{"shape": {"sphere_m": r}, "position_m": [x, 0, 0], "velocity_m_s": [v, 0, 0], "density_kg_m3": density,
                      "halo_m": 1e-3} for r, x, v in zip(radii, (-.0331, .0511), speed)])
     v = [body["velocity_m_s"][0] for body in after]
