@@ -84,8 +84,11 @@ Outcome run(const Setup& s, const StudyRequest& request) {
   while (touched == 0 || !sim.contacts().empty()) {
     sim.step();
     touched += !sim.contacts().empty();
-    forces.push_back(sim.contacts().empty() ? 0 : sim.contacts()[0].force.norm());
-    overlaps.push_back(sim.contacts().empty() ? 0 : sim.contacts()[0].overlap);
+    Vector3d force(0, 0, 0);
+    double overlap = 0;
+    for (const Contact& c : sim.contacts()) force += c.force, overlap = std::max(overlap, c.overlap);
+    forces.push_back(force.norm());
+    overlaps.push_back(overlap);
     if (sim.time() > 20 * expected.contact_time) break;
   }
   const auto highest = [](const std::vector<double>& x) {
