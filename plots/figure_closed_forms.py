@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Motions of single bodies against their closed forms: convergence with stiffness and triangles, and errors beside bars."""
+import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
 

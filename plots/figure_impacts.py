@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Impact tests of Chung & Ooi (2011): balls beside theory, bars and what other codes allow; mesh balls converge to them."""
+import packages  # noqa: F401, I001: before all that need them
 import csv
 import sys
 from pathlib import Path
@@ -46,6 +47,7 @@ def quantities(point: Point) -> list[tuple[str, float, dict]]:
 
 def balls(axis, points: list[Point], others: dict[int, list[dict]]) -> None:
     """Error of every quantity of true balls; its bar; what others allow."""
+    named = False
     for point in (p for p in points if p.params["level"] < 0):
         test, found = int(point.params["value"]), quantities(point)
         places = test + np.linspace(-0.3, 0.3, len(found))
@@ -54,7 +56,8 @@ def balls(axis, points: list[Point], others: dict[int, list[dict]]) -> None:
         axis.plot(places, [error["bar"] for _, _, error in found], "_", color=COLOURS[1], markersize=9,
                   label="bar" if test == 1 else None)
         for other in others.get(test, []):
-            axis.plot(test, float(other["tolerance"]), "x", color=GREY, label=None if test > 1 else "other codes' tolerances")
+            axis.plot(test, float(other["tolerance"]), "x", color=GREY, label=None if named else "other codes' tolerances")
+            named = True
             axis.annotate(other["code"], (test, float(other["tolerance"])), (4, 3), textcoords="offset points", fontsize=7,
                           color=GREY)
     axis.set(yscale="log", xlabel="test", ylabel="relative error, true balls", xticks=range(1, 9), ylim=(FLOOR / 3, 1))
