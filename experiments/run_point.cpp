@@ -214,6 +214,9 @@ PointResult run_point(const BenchRequest& request, const std::function<void(cons
     Sampler sampler(point, request, counters, marker, trace, report);
     for (int number = 0; number < request.repeats; ++number)
       point.samples.push_back(sampler.run(number, number == 0 && frames ? &*frames : nullptr, point.final_state));
+    if (frames && frames->grids_left_out() > 0)
+      point.warnings.push_back("the grid of " + std::to_string(frames->grids_left_out()) + " frames has more than " +
+                               std::to_string(most_cells_written) + " cells and was not written");
     point.check.how.push_back(check_samples(point.samples));
     point.check.how.push_back(check_crossings(point.samples.back()));
     if (marker.active()) {

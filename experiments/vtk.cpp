@@ -99,7 +99,11 @@ void FrameWriter::write(const Particles& particles, const Spacetree* tree, doubl
   write_atomically(folder_ / name, vtp_text(particles));
   frames_.emplace_back(time, name);
   write_atomically(folder_ / "frames.pvd", pvd_text(frames_));
-  if (!tree || tree->cells() > most_cells_written) return;
+  if (!tree) return;
+  if (tree->cells() > most_cells_written) {
+    ++grids_left_out_;
+    return;
+  }
   std::snprintf(name, sizeof name, "grid_%05zu.vtu", grids_.size());
   write_atomically(folder_ / name, vtu_text(*tree));
   grids_.emplace_back(time, name);

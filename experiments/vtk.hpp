@@ -28,10 +28,13 @@ class FrameWriter {
   explicit FrameWriter(std::filesystem::path folder);
   /// `tree` may be null.
   void write(const Particles& particles, const Spacetree* tree, double time);
+  /// Frames whose grid had too many cells to be written.
+  int grids_left_out() const { return grids_left_out_; }
 
  private:
   std::filesystem::path folder_;
   std::vector<std::pair<double, std::string>> frames_, grids_;
+  int grids_left_out_ = 0;
 };
 
 } // namespace trigrain
