@@ -86,16 +86,22 @@ template <class T>
   best.compare(squared(y + s * u), T(3 * k + l), s, t);
 }
 
+/// Takes a corner that projects on the face of t with weights v and w, if that is inside; `rest` leads to the corner.
+template <class T> [[gnu::always_inline]] inline void compare_projection(const T& v, const T& w, const Vec3<T>& rest,
+                                                                         const PreparedTriangle<T>& t, const T& number,
+                                                                         NearestFeature<T>& best) {
+  const auto inside = (v >= T(0)) & (w >= T(0)) & (v + w + t.outside <= T(1));
+  best.compare(select(inside, squared(rest), T(std::numeric_limits<ScalarOf<T>>::max())), number, v, w);
+}
+
 /// A corner against a face, where it projects inside: with the rounding of the first projection projected again
 /// (project_twice, point_triangle.hpp). r leads from the face's corner 0 to the corner.
 template <class T> [[gnu::always_inline]] inline void compare_corner(const Vec3<T>& r, const PreparedTriangle<T>& t,
                                                                      const T& number, NearestFeature<T>& best) {
   const T v1 = dot(r, t.to_v), w1 = dot(r, t.to_w);
   const Vec3<T> rest = r - v1 * t.edge[0] + w1 * t.edge[2];
-  const T v2 = dot(rest, t.to_v), w2 = dot(rest, t.to_w), v = v1 + v2, w = w1 + w2;
-  const auto inside = (v >= T(0)) & (w >= T(0)) & (v + w + t.outside <= T(1));
-  const T d2 = squared(rest - v2 * t.edge[0] + w2 * t.edge[2]);
-  best.compare(select(inside, d2, T(std::numeric_limits<ScalarOf<T>>::max())), number, v, w);
+  const T v2 = dot(rest, t.to_v), w2 = dot(rest, t.to_w);
+  compare_projection(v1 + v2, w1 + w2, rest - v2 * t.edge[0] + w2 * t.edge[2], t, number, best);
 }
 
 /// The same for a slim face, whose to_v and to_w have lost digits: by cross products.
@@ -103,9 +109,7 @@ template <class T> [[gnu::always_inline]] inline void
 compare_corner_with_slim(const Vec3<T>& r, const PreparedTriangle<T>& t, int number, NearestFeature<T>& best) {
   const Vec3<T> f = T(-1) * t.edge[2];
   const Barycentric<T> z = project_twice(r, t.edge[0], f, t.normal, t.inverse_nn);
-  const auto inside = (z.v >= T(0)) & (z.w >= T(0)) & (z.v + z.w + t.outside <= T(1));
-  const T d2 = squared(r - (z.v * t.edge[0] + z.w * f));
-  best.compare(select(inside, d2, T(std::numeric_limits<ScalarOf<T>>::max())), T(number), z.v, z.w);
+  compare_projection(z.v, z.w, r - (z.v * t.edge[0] + z.w * f), t, T(number), best);
 }
 
 /// The corners of triangle c against the face of t. Where a corner's projection is closest, no other corner is lower:

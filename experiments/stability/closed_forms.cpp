@@ -13,10 +13,6 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double g = 9.81;
-
-Options with(const StudyRequest& request) { return {.contact_rule = request.contact_rule}; }
-
 /// A frictionless elastic drop of `body` at speed 1 onto a rigid plane, so stiff that it turns by about 1e-4
 /// (rad) while it touches, less with more stiffness. The body starts just above.
 Particles after_impact(Body body, double mass, double turn_rate, const StudyRequest& request) {

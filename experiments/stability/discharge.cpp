@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double diameter = .01, g = 9.81, halo = .05 * diameter / 2, wall = .01; // m, m/s2
-constexpr int walls = 5;                                                          // fixed bodies of an open bin
+constexpr double diameter = .01, halo = .05 * diameter / 2, wall = .01; // m
+constexpr int walls = 5;                                                // fixed bodies of an open bin
 
 Body fixed(Mesh mesh, const Vector3d& position) {
   Body body;

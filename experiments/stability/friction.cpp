@@ -11,10 +11,6 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double g = 9.81;
-
-Options with(const StudyRequest& request) { return {.contact_rule = request.contact_rule}; }
-
 /// A block on a slope: the floor is level and gravity leans towards +x.
 Scene block_on_slope(const Vector3d& size, double angle, double mu) {
   const double mass = 1, k = 1e6;

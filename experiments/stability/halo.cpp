@@ -14,8 +14,6 @@ using std::numbers::pi;
 constexpr double radius = .02, mass = 1, halo = 1e-3, reach = 2 * halo, stiffness = 1e6;
 const double response_limit = reach * std::sqrt(stiffness / mass); // m/s
 
-Options with(const StudyRequest& request) { return {.contact_rule = request.contact_rule}; }
-
 /// A ball above a plate (its top at y = 0) that comes down at this speed (m/s).
 Scene ball_and_plate(const StudyRequest& request, double thickness, double height, double speed) {
   Scene scene = empty_scene(4, {.stiffness = stiffness, .damping_ratio = 0, .friction = 0},

@@ -203,7 +203,7 @@ double outcome(const std::function<Scene()>& scene) {
 
 Scene drop(Body body, Body floor) {
   Scene scene = empty_scene(4, {.stiffness = 1e6, .damping_ratio = .3, .friction = .5}, 5e-5);
-  scene.gravity = {0, -9.81, 0};
+  scene.gravity = {0, -g, 0};
   body.orientation = Eigen::AngleAxisd(.4, Vector3d(1, 2, 3).normalized());
   body.velocity = {0, -.5, 0};
   body.position = {0, .1, 0};

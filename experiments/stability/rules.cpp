@@ -12,8 +12,6 @@ using Eigen::Vector3d;
 
 constexpr double edge = .1, mass = 1, halo = 1e-3, reach = 2 * halo; // of the cubes below: m, kg
 
-Options with(const StudyRequest& request) { return {.contact_rule = request.contact_rule}; }
-
 /// A cube on a floor, both cut n x n; turned a little, so that no edges are parallel by accident.
 Scene cube_on_floor(int cut, const ContactParameters& contact, double step) {
   Scene scene = empty_scene(2, contact, step);
@@ -44,7 +42,7 @@ FaceContact face_contact(const StudyRequest& request, int cut) {
   const double step = std::numbers::pi * std::sqrt(mass / k) / 4 / request.steps_per_contact;
   FaceContact found{};
   Scene still = cube_on_floor(cut, {.stiffness = k, .damping_ratio = .5, .friction = .5}, step);
-  still.gravity = {0, -9.81, 0};
+  still.gravity = {0, -g, 0};
   Simulation standing(still, with(request));
   standing.run(4000);
   double height = 0; // what rocks is averaged
@@ -164,10 +162,10 @@ std::vector<Metric> face_rest(const StudyRequest& request) {
   const double k = 1e6, step = std::numbers::pi * std::sqrt(mass / k) / 4 / request.steps_per_contact;
   Scene scene =
       cube_on_floor(static_cast<int>(request.value), {.stiffness = k, .damping_ratio = .5, .friction = .5}, step);
-  scene.gravity = {0, -9.81, 0};
+  scene.gravity = {0, -g, 0};
   Simulation sim(scene, with(request));
   sim.run(4000);
-  const double weight = mass * 9.81;
+  const double weight = mass * g;
   Vector3d low = Vector3d::Constant(1e300), high = -low;
   double torque = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -190,7 +188,7 @@ std::vector<Metric> face_rest(const StudyRequest& request) {
 /// Ten cubes on each other; value: cut of the faces.
 std::vector<Metric> stack(const StudyRequest& request) {
   constexpr int boxes = 10;
-  const double k = 1e7, step = std::numbers::pi * std::sqrt(mass / k) / 4 / request.steps_per_contact, g = 9.81;
+  const double k = 1e7, step = std::numbers::pi * std::sqrt(mass / k) / 4 / request.steps_per_contact;
   Scene scene = empty_scene(4, {.stiffness = k, .damping_ratio = .5, .friction = .5}, step);
   scene.gravity = {0, -g, 0};
   scene.bodies = {floor_body(.8, halo, static_cast<int>(request.value))};

@@ -12,9 +12,7 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double g = 9.81, edge = .1, mass = 1, halo = 1e-3, reach = 2 * halo;
-
-Options with(const StudyRequest& request) { return {.contact_rule = request.contact_rule}; }
+constexpr double edge = .1, mass = 1, halo = 1e-3, reach = 2 * halo;
 
 Body cube(double cube_mass, double height) {
   return mesh_body(box({edge, edge, edge}), cube_mass, {0, height, 0}, halo);

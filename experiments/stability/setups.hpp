@@ -1,10 +1,16 @@
 #pragma once
 #include "dem/narrow_phase.hpp"
 #include "dem/simulation.hpp"
+#include "experiments/stability/study.hpp"
 #include <memory>
 #include <string>
 
 namespace trigrain {
+
+inline constexpr double g = 9.81; ///< m/s2
+
+/// Options of a simulation as the request asks for.
+inline Options with(const StudyRequest& request) { return {.contact_rule = request.contact_rule}; }
 
 /// A scene without bodies and weight about the origin.
 Scene empty_scene(double domain_size, const ContactParameters& contact, double step);
