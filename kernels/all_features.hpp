@@ -10,10 +10,11 @@ namespace trigrain {
 template <class T> struct PreparedTriangle {
   Corners<T> edge; ///< edge k leads from corner k to corner k + 1
   std::array<T, 3> edge2, inverse_edge2;
-  Vec3<T> normal, to_v, to_w; ///< normal = edge[0] x -edge[2], not of unit length
+  Vec3<T> normal, to_v, to_w; ///< normal = edge[0] x edge[1], not of unit length
   T inverse_nn;               ///< of |normal|^2; 0 for a zero-area triangle
   T outside;
-  MaskOf<T> slim; ///< height below 0.03 of an edge: heights over the face are too inexact to choose a corner by
+  MaskOf<T> slim; ///< largest angle within 0.03 of pi: heights over the face are too inexact to choose a
+                  ///< corner by
   MaskOf<T> thin; ///< height below 1e-7 (float: 1e-4) of the edges: weights on the face have lost digits that the
                   ///< answer needs
 };
@@ -25,17 +26,21 @@ template <class T> [[gnu::always_inline]] inline PreparedTriangle<T> prepared(co
     t.edge2[k] = squared(t.edge[k]);
     t.inverse_edge2[k] = T(1) / max(t.edge2[k], constant<T>(std::numeric_limits<ScalarOf<T>>::min()));
   }
-  const Vec3<T> f = c[2] - c[0];
-  t.normal = cross(t.edge[0], f);
+  const auto longest0 = (t.edge2[0] >= t.edge2[1]) & (t.edge2[0] >= t.edge2[2]), longest1 = t.edge2[1] >= t.edge2[2];
+  const auto after_longest = [&](int k) {
+    return select(longest0, t.edge[(1 + k) % 3], select(longest1, t.edge[(2 + k) % 3], t.edge[k]));
+  };
+  t.normal = cross(after_longest(0), after_longest(1)); // of the largest angle: most exact
   const T nn = squared(t.normal);
-  const T ee = t.edge2[0] * t.edge2[2];
-  const auto flat = nn <= constant<T>(cross_noise<T>) * ee;
+  const T two_shorter = min(min(t.edge2[0] * t.edge2[1], t.edge2[1] * t.edge2[2]), t.edge2[2] * t.edge2[0]);
+  const auto flat = nn <= constant<T>(cross_noise<T>) * two_shorter;
+  const Vec3<T> f = c[2] - c[0];
   t.inverse_nn = select(flat, T(0), inverse_or_zero(nn));
   t.to_v = t.inverse_nn * cross(f, t.normal);
   t.to_w = t.inverse_nn * cross(t.normal, t.edge[0]);
   t.outside = select(flat, T(2), T(0));
-  t.slim = nn < constant<T>(1e-3) * ee;
-  t.thin = nn < constant<T>(std::max(1e-14, epsilon_of<T> / 10)) * ee;
+  t.slim = nn < constant<T>(1e-3) * two_shorter;
+  t.thin = nn < constant<T>(std::max(1e-14, epsilon_of<T> / 10)) * (t.edge2[0] * t.edge2[2]);
   return t;
 }
 
@@ -141,11 +146,10 @@ nearest_feature(const TrianglePair<T>& pair, const PreparedTriangle<T>& a, const
   }
   compare_corners(pair.a, pair.b[0], b, 9, best);
   compare_corners(pair.b, pair.a[0], a, 12, best);
-  if (any_of(a.slim | b.slim))
-    for (int k = 0; k < 3; ++k) {
-      compare_corner_with_slim(pair.a[k] - pair.b[0], b, 9 + k, best);
-      compare_corner_with_slim(pair.b[k] - pair.a[0], a, 12 + k, best);
-    }
+  if (any_of(b.slim))
+    for (int k = 0; k < 3; ++k) compare_corner_with_slim(pair.a[k] - pair.b[0], b, 9 + k, best);
+  if (any_of(a.slim))
+    for (int k = 0; k < 3; ++k) compare_corner_with_slim(pair.b[k] - pair.a[0], a, 12 + k, best);
   return best;
 }
 

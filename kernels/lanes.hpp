@@ -198,18 +198,12 @@ template <class T> [[gnu::always_inline]] inline T inverse_or_zero(const T& x) {
 
 /// The powers of two p <= x < 2 p of floats, and 1 / p; 1 for numbers that have none within a float's range.
 template <class T> [[gnu::always_inline]] inline void power_of_two_below(const T& x, T& p, T& inverse) {
-  constexpr int lanes = lanes_of<T>;
   constexpr std::uint32_t exponent = 0x7f800000, one = 0x3f800000;
-  std::array<float, lanes> each, each_inverse;
-  store(x, each.data());
-  for (int lane = 0; lane < lanes; ++lane) {
-    std::uint32_t bits = std::bit_cast<std::uint32_t>(each[lane]) & exponent;
-    bits = bits - 1 < 2 * one - 1 ? bits : one; // neither zero nor 2^127 and more
-    each[lane] = std::bit_cast<float>(bits);
-    each_inverse[lane] = std::bit_cast<float>(2 * one - bits);
-  }
-  p = load<T>(each.data());
-  inverse = load<T>(each_inverse.data());
+  using Bits [[gnu::vector_size(sizeof(T))]] = std::uint32_t;
+  Bits bits = std::bit_cast<Bits>(x) & exponent;
+  bits = bits - 1 < 2 * one - 1 ? bits : Bits{} + one; // neither zero nor 2^127 and more
+  p = std::bit_cast<T>(bits);
+  inverse = std::bit_cast<T>(2 * one - bits);
 }
 
 /// The lanes of m as bits.

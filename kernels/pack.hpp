@@ -71,12 +71,15 @@ template <class T> class PairPack {
     std::array<int, lanes> feature;
     store(from.feature, feature.data());
     const int count = std::popcount(bits);
+    int *const i = hits.next_i(), *const j = hits.next_j(), *const feature_bits = hits.next_feature();
+    const PairIndex* const index = index_.data();
     const auto note = [&](int k, int lane) {
-      hits.next_i()[k] = index_[lane].i;
-      hits.next_j()[k] = index_[lane].j;
-      hits.next_feature()[k] = feature[lane];
+      i[k] = index[lane].i;
+      j[k] = index[lane].j;
+      feature_bits[k] = feature[lane];
     };
     if (count == lanes)
+#pragma GCC ivdep
       for (int lane = 0; lane < lanes; ++lane) note(lane, lane);
     else
       for (int k = 0; k < count; ++k, bits &= bits - 1) note(k, std::countr_zero(bits));

@@ -27,11 +27,11 @@ std::unique_ptr<btTriangleShape> shape(const Triangle& t) {
 TrianglePass on_triangles(const Problem& problem, const Query&) {
   auto shapes = std::make_shared<Shapes>();
   for (const Pair& pair : problem.pairs) shapes->emplace_back(shape(pair.a), shape(pair.b));
-  return [shapes](Hits& hits, KernelCounts& counts) {
+  return [shapes](int first, int count, Hits& hits, KernelCounts& counts) {
     btVoronoiSimplexSolver simplex;
     btGjkEpaPenetrationDepthSolver depth;
     const auto ours = [](const btVector3& v) { return Vec3<double>{v.x(), v.y(), v.z()}; };
-    for (std::size_t k = 0; k < shapes->size(); ++k) {
+    for (int k = first; k < first + count; ++k) {
       btGjkPairDetector detector((*shapes)[k].first.get(), (*shapes)[k].second.get(), &simplex, &depth);
       btGjkPairDetector::ClosestPointInput input;
       input.m_transformA.setIdentity();
@@ -40,9 +40,9 @@ TrianglePass on_triangles(const Problem& problem, const Query&) {
       detector.getClosestPoints(input, found, nullptr);
       const btVector3 q = found.m_pointInWorld, p = q + found.m_normalOnBInWorld * found.m_distance;
       const double d = found.m_hasResult ? std::max(static_cast<double>(found.m_distance), 0.) : 0.;
-      hits.push_back({static_cast<int>(k), static_cast<int>(k), unbounded(ours(p), ours(q), d)});
+      hits.push_back({k, k, unbounded(ours(p), ours(q), d)});
     }
-    counts.triangle_pairs += static_cast<std::int64_t>(shapes->size());
+    counts.triangle_pairs += count;
   };
 }
 

@@ -19,12 +19,12 @@ TrianglePass on_triangles(const Problem& problem, const Query&) {
     };
     pairs.emplace_back(theirs(pair.a), theirs(pair.b));
   }
-  return [pairs = std::move(pairs)](Hits& hits, KernelCounts& counts) {
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
+  return [pairs = std::move(pairs)](int first, int count, Hits& hits, KernelCounts& counts) {
+    for (int k = first; k < first + count; ++k) {
       const double d = std::sqrt(CGAL::squared_distance(pairs[k].first, pairs[k].second));
-      hits.push_back({static_cast<int>(k), static_cast<int>(k), unbounded({}, {}, d)});
+      hits.push_back({k, k, unbounded({}, {}, d)});
     }
-    counts.triangle_pairs += static_cast<std::int64_t>(pairs.size());
+    counts.triangle_pairs += count;
   };
 }
 

@@ -23,8 +23,9 @@ struct MeshProblem {
   int size() const { return static_cast<int>(pairs.size()); }
 };
 
-/// What is timed: appends the answers for all pairs of a triangle problem, or for mesh pair k.
-using TrianglePass = std::function<void(Hits&, KernelCounts&)>;
+/// What is timed: appends the answers for `count` pairs of a triangle problem from number `first` on, or for mesh pair
+/// k.
+using TrianglePass = std::function<void(int first, int count, Hits&, KernelCounts&)>;
 using MeshPass = std::function<void(int k, Hits&, KernelCounts&)>;
 
 /// A way to find closest points, ours or somebody else's. `on_triangles` and `on_meshes` turn a problem into the

@@ -23,14 +23,14 @@ TrianglePass on_triangles(const Problem& problem, const Query&) {
     };
     pairs.emplace_back(corners(pair.a), corners(pair.b));
   }
-  return [pairs = std::move(pairs)](Hits& hits, KernelCounts& counts) {
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
+  return [pairs = std::move(pairs)](int first, int count, Hits& hits, KernelCounts& counts) {
+    for (int k = first; k < first + count; ++k) {
       Vector p, q;
       const auto& [a, b] = pairs[k];
       const double d = fcl::detail::TriangleDistance<double>::triDistance(a.data(), b.data(), p, q);
-      hits.push_back({static_cast<int>(k), static_cast<int>(k), unbounded(ours(p), ours(q), d)});
+      hits.push_back({k, k, unbounded(ours(p), ours(q), d)});
     }
-    counts.triangle_pairs += static_cast<std::int64_t>(pairs.size());
+    counts.triangle_pairs += count;
   };
 }
 

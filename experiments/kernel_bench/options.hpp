@@ -49,7 +49,7 @@ struct Entry {
 
   std::string name() const;
   std::int64_t pairs() const { return triangles ? triangles->size() : meshes->size(); }
-  /// Clears the hits and answers all pairs.
+  /// Answers all pairs, block by block, each in place of the one before.
   BenchPass pass() const;
   const Findings& findings() const; ///< looked at once
 

@@ -19,8 +19,8 @@ std::vector<Contestant> our_kernels() {
                  {},
                  {}};
     c.on_triangles = [&kernel](const Problem& problem, const Query& query) {
-      return [&kernel, query, list = problem.pair_list()](Hits& hits, KernelCounts& counts) {
-        kernel.closest(list, query, hits, counts);
+      return [&kernel, query, list = problem.pair_list()](int first, int count, Hits& hits, KernelCounts& counts) {
+        kernel.closest(list.part(first, count), query, hits, counts);
       };
     };
     c.on_meshes = [&kernel](const MeshProblem& problem, const Query& query, const Precheck& precheck) {
