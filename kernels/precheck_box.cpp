@@ -34,26 +34,39 @@ struct Slab {
   double gap() const { return start_of_b - end_of_a; }
 };
 
-/// Gilbert (1966): the point of the convex hull of B - A nearest to the origin, by steps towards supports; each gives a
-/// lower bound of the distance. Stops when the bound exceeds `reach` or is near the distance, and early where no
-/// direction separates yet: the triangles are asked then.
+/// First directions that separate, if any do: each is mirrored in the supports it found to overlap, Chung and Wang
+/// (1996). Then Gilbert (1966): from the last supports to the point of the convex hull of B - A nearest to the origin,
+/// by steps towards supports; each gives a lower bound of the distance. Stops when the bound exceeds `reach` or is near
+/// the distance, and early where no direction separates yet: the triangles are asked then.
 FLATTEN_OCTETS Slab separating_slab(const MeshView& a, const MeshView& b, const Placement& at, double reach) {
-  constexpr int steps = 8, steps_to_separate = 4;
-  Slab best{{1, 0, 0}, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  Point w = at.translation;
+  constexpr int steps = 6, steps_to_separate = 3;
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  Slab best{{1, 0, 0}, infinite, -infinite};
+  Point w = at.translation; // the direction, and once `in_hull` the point of the hull
+  bool in_hull = false;
+  double distance = infinite; // of the hull's point
   for (int step = 0; step < steps; ++step) {
-    const double length = std::sqrt(squared(w));
-    if (!(length > 0)) break;
-    const Point u = (1 / length) * w;
-    const Support sa = support(*a.octree, u), sb = support(*b.octree, turned_back(-1. * u, at));
-    const Slab slab{u, sa.value, dot(u, at.translation) - sb.value};
+    const double ww = squared(w);
+    if (!(ww > 0)) break;
+    // Supports along w itself: they need not wait for its length.
+    const Support sa = support(*a.octree, w), sb = support(*b.octree, turned_back(-1. * w, at));
+    const double length = std::sqrt(ww), scale = 1 / length;
+    const Slab slab{scale * w, scale * sa.value, scale * (dot(w, at.translation) - sb.value)};
     if (slab.gap() > best.gap()) best = slab;
-    if (best.gap() > reach || length - best.gap() <= 0.25 * reach) break;
+    if (in_hull) distance = length;
+    if (best.gap() > reach || distance - best.gap() <= 0.25 * reach) break;
     if (step + 1 == steps_to_separate && best.gap() <= 0) break;
-    const Point d = w - (placed(sb.point, at) - sa.point);
-    const double t = clamp01(dot(w, d) * inverse_or_zero(squared(d)));
-    if (!(t > 0)) break;
-    w = w - t * d;
+    const Point v = placed(sb.point, at) - sa.point, d = w - v;
+    if (in_hull) {
+      const double t = clamp01(dot(w, d) * inverse_or_zero(squared(d)));
+      if (!(t > 0)) break;
+      w = w - t * d;
+    } else if (slab.gap() > 0) {
+      w = v;
+      in_hull = true;
+    } else {
+      w = w - (2 * dot(w, v) * inverse_or_zero(squared(v))) * v;
+    }
   }
   return best;
 }
