@@ -54,6 +54,13 @@ def state_command(bench: Bench, state: StartState, spec_folder: Path, cores: int
     return [str(bench.path), *options, *once, "--point-id", state.id, *outputs]
 
 
+def complaint(done: subprocess.CompletedProcess) -> str:
+    """Why a program did not end well: the check that failed, else its last line (valgrind's begin with ==)."""
+    said = [line for line in done.stderr.splitlines() if line.strip() and not line.startswith("==")]
+    failed = [line for line in done.stdout.splitlines() if line.startswith("check ") and "FAILED" in line]
+    return f"exit code {done.returncode}: {([*failed, *said[-1:], *done.stderr.splitlines()[-1:]] or ['it said nothing'])[0]}"
+
+
 def _at(params: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Scene files are named relative to their spec."""
     if "scene_file" not in params:

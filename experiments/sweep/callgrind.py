@@ -4,6 +4,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from sweep.bench import complaint
+
 TIMED_PART = "*run_slice*"  # of dem_bench: what happens on the clock
 CACHE_SHARE = 1 << 22  # bytes of the last cache that a core of a server has for itself
 
@@ -41,8 +43,7 @@ def _counts(command: list[str], options: list[str], limit_s: float) -> tuple[lis
         return [], f"callgrind needed more than {limit_s:g} s"
     found = re.search(r"Collected\s*:((?:\s+\d+)+)", done.stderr)
     if done.returncode != 0 or not found:
-        trouble = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
-        return [], f"callgrind: {trouble}"
+        return [], f"callgrind: {complaint(done)}"
     counts = [int(word) for word in found[1].split()]
     return (counts, "") if counts[0] > 0 else ([], "callgrind counted nothing")
 

@@ -2,11 +2,12 @@
 import subprocess
 import tempfile
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from sweep import callgrind
-from sweep.bench import Bench, point_command
+from sweep.bench import Bench, complaint, point_command, state_command
 from sweep.decision import (FASTER, LEAST_COUNT_CHANGE, SAME, SLOWER, UNSTABLE, Decision, decide, exact_change)
 from sweep.errors import InputError, SweepError
 from sweep.exchange import read_google_benchmark
@@ -26,6 +27,7 @@ class Side:
     counts: dict[str, float] = field(default_factory=dict)
     machine: dict = field(default_factory=dict)
     trouble: str = ""
+    not_counted: str = ""  # why there are no instructions
 
     def add(self, record: dict) -> None:
         """The samples of one process: of each the least time, which other work disturbs least."""
@@ -41,6 +43,13 @@ class Side:
                 self.phases_s[phase] = min(self.phases_s.get(phase, seconds), seconds / sample["steps"])
         counts = record.get("counts") or {}
         self.counts |= {name: counts[name] / counts["steps"] for name in WORK_COUNTS if name in counts}
+
+
+@dataclass(frozen=True)
+class Counted:
+    """What callgrind runs: builds that valgrind can run, and a spec with a shorter point for each that is timed."""
+    programs: tuple[Path, Path]
+    spec: Spec
 
 
 @dataclass(frozen=True)
@@ -60,26 +69,28 @@ class Comparison:
         return {name: change for name, change in changes.items() if change}
 
 
-def compare_builds(spec: Spec, benches: tuple[Bench, Bench], portable: tuple[Path, Path] | None, pairs: int,
+def compare_builds(spec: Spec, benches: tuple[Bench, Bench], counted: Counted | None, pairs: int,
                    tell: Callable[[str], None]) -> list[Comparison]:
-    """Runs every point `pairs` times with each build, A B B A A B..., and instructions once where there are builds for
-    valgrind."""
+    """Runs every point `pairs` times with each build, A B B A A B..., and then, if there is something for it, callgrind."""
+    points = expand(spec)
+    short = expand(counted.spec) if counted else points
+    if len(short) != len(points):
+        raise InputError(f"{len(short)} points for callgrind and {len(points)} to be timed ({spec.name}.json: presets."
+                         f"{counted.spec.preset}). Give each of them one.")
+    tell(f"{len(points)} points, {pairs} runs of each version in turn{', and callgrind' if counted else ''}")
     found = []
-    for point in expand(spec):
-        sides = (Side(), Side())
-        for number in range(pairs):
-            for which in ((0, 1), (1, 0))[number % 2]:
-                if not any(side.trouble for side in sides):
-                    _run(spec, benches[which], point, sides[which])
-        if portable and not any(side.trouble for side in sides):
-            for bench, path, side in zip(benches, portable, sides):
-                once = replace(point, params={**point.params, "repeats": 1})
-                command = point_command(replace(bench, path=path), once, spec.folder, [], None)
-                count, _ = callgrind.instructions(command, spec.time_limit_s)
-                if count is not None:
-                    side.counts[INSTRUCTIONS] = count
-        found.append(judge(point.name, *sides))
-        tell(f"{found[-1].name}: {found[-1].verdict} ({found[-1].why})")
+    with tempfile.TemporaryDirectory() as place:
+        for point, once in zip(points, short):
+            sides = (Side(), Side())
+            start = _start_state(spec, benches[0], point, Path(place))
+            for number in range(pairs):
+                for which in ((0, 1), (1, 0))[number % 2]:
+                    if not any(side.trouble for side in sides):
+                        _run(spec, benches[which], point, start, sides[which])
+            if counted and not any(side.trouble for side in sides):
+                _count(counted, benches, once, _start_state(counted.spec, benches[0], once, Path(place)), sides)
+            found.append(judge(point.name, *sides))
+            tell(f"{found[-1].name}: {found[-1].verdict} ({found[-1].why})")
     return found
 
 
@@ -138,6 +149,7 @@ def judge(name: str, before: Side, after: Side) -> Comparison:
 def _why(comparison: Comparison, decision: Decision) -> str:
     words = [f"CPU time {100 * decision.change:+.1f} %, p = {decision.p:.2g}, noise {100 * decision.noise:.1f} %"]
     words += [f"{name.replace('_', ' ')} {100 * change:+.2f} %" for name, change in comparison.counts().items()]
+    words += [f"instructions not counted: {why}" for why in [comparison.before.not_counted or comparison.after.not_counted] if why]
     before, after = comparison.before.phases_s, comparison.after.phases_s
     whole = sum(before.values())
     gains = {phase: (after[phase] - before[phase]) / whole for phase in before if phase in after and whole > 0}
@@ -147,18 +159,45 @@ def _why(comparison: Comparison, decision: Decision) -> str:
     return "; ".join(words)
 
 
-def _run(spec: Spec, bench: Bench, point: Point, side: Side) -> None:
+def _start_state(spec: Spec, bench: Bench, point: Point, place: Path) -> Path | None:
+    """Where the point starts, for both builds alike: computed once, by the older one. SweepError if that fails."""
+    if point.start is None:
+        return None
+    path = place / f"{point.start.id}.json"
+    if not path.exists():
+        trouble = _trouble(state_command(bench, point.start, spec.folder, 1, ["--final-state", str(path)]), spec)
+        if trouble:
+            raise SweepError(f"the start state cannot be computed ({bench.path}: {trouble}). Compare with a version that can.")
+    return path
+
+
+def _run(spec: Spec, bench: Bench, point: Point, start: Path | None, side: Side) -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "record.json"
-        command = point_command(bench, point, spec.folder, ["--record", str(file)], None)
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=spec.time_limit_s, check=False)
-        except subprocess.TimeoutExpired:
-            side.trouble = f"needed more than {spec.time_limit_s:g} s"
-            return
-        record, broken = load_record(file, point.id)
-        if done.returncode != 0 or record is None:
-            said = (done.stderr or done.stdout).strip().splitlines()
-            side.trouble = f"exit code {done.returncode}: {said[-1] if said else broken}"
-            return
-        side.add(record)
+        side.trouble = _trouble(point_command(bench, point, spec.folder, ["--record", str(file)], start), spec)
+        if not side.trouble:
+            record, broken = load_record(file, point.id)
+            if record is None:
+                side.trouble = f"no record: {broken}"
+            else:
+                side.add(record)
+
+
+def _count(counted: Counted, benches: tuple[Bench, Bench], point: Point, start: Path | None, sides: tuple[Side, Side]) -> None:
+    """Instructions of both, at the same time: they are not disturbed by each other."""
+    commands = [point_command(replace(bench, path=path), point, counted.spec.folder, [], start)
+                for bench, path in zip(benches, counted.programs)]
+    with ThreadPoolExecutor(2) as pool:
+        found = pool.map(lambda command: callgrind.instructions(command, counted.spec.time_limit_s), commands)
+    for side, (count, side.not_counted) in zip(sides, found):
+        if count is not None:
+            side.counts[INSTRUCTIONS] = count
+
+
+def _trouble(command: list[str], spec: Spec) -> str:
+    """Runs it; why it did not end well, or nothing."""
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=spec.time_limit_s, check=False)
+    except subprocess.TimeoutExpired:
+        return f"needed more than {spec.time_limit_s:g} s"
+    return "" if done.returncode == 0 else complaint(done)

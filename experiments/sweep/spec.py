@@ -34,10 +34,11 @@ class ExpectedFailure:
 
 @dataclass(frozen=True)
 class Spec:
-    """One spec with one of its presets applied; `folder` is where its scene files are looked for. Points that differ
+    """One spec with one of its `presets` applied; `folder` is where its scene files are looked for. Points that differ
     in the parameters `interleave` alone are compared: their repeats take turns."""
     name: str
     preset: str
+    presets: tuple[str, ...]
     title: str
     about: str
     program: Program
@@ -87,7 +88,8 @@ def _build(raw: dict, preset: str, path: Path) -> Spec:
         return read(part[key], f"{where}{key}") if key in part else None
 
     prepare = _changed(raw.get("prepare"), change, f"{new}prepare")
-    spec = Spec(path.stem, preset, _text(raw, "title", name), _text(raw, "about", name), program, fixed, axes,
+    spec = Spec(path.stem, preset, tuple(raw.get("presets", {})), _text(raw, "title", name), _text(raw, "about", name), program,
+                fixed, axes,
                 latest("zip", lambda value, where: varied.read_zip(program, value, where)) or [],
                 latest("exclude", lambda value, where: varied.read_exclude(program, value, where)) or [],
                 _interleave(program, raw.get("interleave", []), f"{name}: interleave"),

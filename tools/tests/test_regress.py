@@ -10,7 +10,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "experiments"))
+from sweep.bench import find_bench  # noqa: E402
 from sweep.decision import FASTER, LEAST_PAIRS, SAME, SLOWER, UNSTABLE, decide  # noqa: E402
+from sweep.regression import Counted, compare_builds  # noqa: E402
+from sweep.spec import read_spec  # noqa: E402
 
 STAND_IN = """#!/usr/bin/python3
 import json, os, random, sys
@@ -19,13 +22,24 @@ if "--list" in sys.argv:
     sys.exit(0)
 call = dict(zip(sys.argv[1::2], sys.argv[2::2]))
 factor, counts = FACTOR, COUNTS
+if "--final-state" in call:
+    open(call["--final-state"], "w").write(sys.argv[0])
+    sys.exit(0)
+if "--start-state" in call:
+    open(sys.argv[0] + ".starts", "a").write(open(call["--start-state"]).read() + "\\n")
 open(sys.argv[0] + ".calls", "a").write("x")
 chance = random.Random(sys.argv[0][-12:] + str(os.path.getsize(sys.argv[0] + ".calls")))  # the same in every test run
 noise = lambda: 1 + abs(chance.gauss(0, NOISE))
 samples = [{"cpu_s": factor * noise(), "wall_s": 1, "steps": 10, "phases_s": {"grid": 0.2, "detect": 0.8 * factor}} for _ in range(3)]
 json.dump({"schema": "trigrain-record-1", "point_id": call["--point-id"], "status": "finished", "params": call,
            "check": {"passed": PASSED, "how": []}, "samples": samples, "counts": {"steps": 10, **counts}}, open(call["--record"], "w"))
+print("check step FAILED: too long" * (not PASSED))
 sys.exit(0 if PASSED else 1)
+"""
+VALGRIND = """#!/usr/bin/python3
+import sys
+steps = int(sys.argv[sys.argv.index("--steps") + 1])
+print(f"Collected : {steps * (1010 if '/b/' in ' '.join(sys.argv) else 1000)}", file=sys.stderr)
 """
 SPEC = {"fixed": {"scene": "hopper", "steps": 10, "repeats": 3}, "axes": {"kernel": ["brute"]}}
 
@@ -72,8 +86,8 @@ def build(folder: Path, factor: float = 1, noise: float = 0.01, passed: bool = T
     return folder
 
 
-def regress(folder: Path, *words: object) -> subprocess.CompletedProcess:
-    (folder / "tried.json").write_text(json.dumps(SPEC))
+def regress(folder: Path, *words: object, spec: dict = SPEC) -> subprocess.CompletedProcess:
+    (folder / "tried.json").write_text(json.dumps(spec))
     return subprocess.run([ROOT / "tools/regress", *map(str, words), "--spec", folder / "tried.json", "--junit", folder / "j.xml"],
                           capture_output=True, text=True, check=False, timeout=120)
 
@@ -82,7 +96,7 @@ def regress(folder: Path, *words: object) -> subprocess.CompletedProcess:
     ({}, 0, ["| same |"]), ({"factor": 1.06}, 1, ["**slower**", "mostly in phase detect: +4."]),
     ({"factor": 0.9}, 0, ["| faster |"]), ({"noise": 1.0}, 2, ["**unstable**"]),
     ({"triangle_pairs": 1010}, 1, ["**slower**", "triangle pairs +1.00 %"]),
-    ({"passed": False}, 1, ["**slower**", "now: exit code 1"])])
+    ({"passed": False}, 1, ["**slower**", "now: exit code 1: check step FAILED: too long"])])
 def test_the_tool_exits_by_its_verdict(tmp_path, head, code, words):
     done = regress(tmp_path, build(tmp_path / "a", noise=head.get("noise", 0.01)), build(tmp_path / "b", **head))
     assert done.returncode == code, done.stdout + done.stderr
@@ -92,11 +106,33 @@ def test_the_tool_exits_by_its_verdict(tmp_path, head, code, words):
     assert suite.attrib["failures"] == str(int(code == 1)) and suite.attrib["skipped"] == str(int(code == 2))
 
 
+def test_both_start_from_the_state_that_the_first_computed(tmp_path):
+    spec = {**SPEC, "prepare": {"by": ["scene"], "end_s": 0.1}}
+    done = regress(tmp_path, build(tmp_path / "a"), build(tmp_path / "b"), "--pairs", 15, spec=spec)
+    assert done.returncode == 0, done.stdout + done.stderr
+    for name in "ab":
+        assert (tmp_path / name / "dem_bench.starts").read_text() == f"{tmp_path}/a/dem_bench\n" * 15
+
+
+def test_instructions_come_from_the_shorter_runs(tmp_path, monkeypatch):
+    (tmp_path / "valgrind").write_text(VALGRIND)
+    (tmp_path / "valgrind").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    (tmp_path / "tried.json").write_text(json.dumps({**SPEC, "presets": {"instructions": {"fixed": {"steps": 3}}}}))
+    spec, short = (read_spec(tmp_path / "tried.json", preset) for preset in (None, "instructions"))
+    benches = tuple(find_bench(spec.program, build(tmp_path / name), tmp_path) for name in "ab")
+    found, = compare_builds(spec, benches, Counted(tuple(bench.path for bench in benches), short), LEAST_PAIRS, lambda _: None)
+    assert (found.before.counts["instructions"], found.after.counts["instructions"]) == (3000, 3030)
+    assert found.verdict == SLOWER and "instructions +1.00 %" in found.why
+    (tmp_path / "valgrind").write_text("#!/bin/sh\necho '==1== bad' >&2; exit 1\n")
+    found, = compare_builds(spec, benches, Counted(tuple(bench.path for bench in benches), short), LEAST_PAIRS, lambda _: None)
+    assert found.verdict == SAME and "instructions not counted: callgrind: exit code 1: ==1== bad" in found.why
+
+
 @pytest.mark.parametrize("change,code", [(1.0, 0), (1.05, 1)])
 def test_two_record_sets_are_compared(tmp_path, change, code):
     sys.path.insert(0, str(ROOT / "experiments"))
     from sweep.points import expand
-    from sweep.spec import read_spec
     (tmp_path / "tried.json").write_text(json.dumps(SPEC))
     point = expand(read_spec(tmp_path / "tried.json"))[0]
     for name, factor in (("a", 1.0), ("b", change)):
