@@ -25,19 +25,21 @@ Eigen::Matrix3d rotation(Random& random) {
   return Eigen::AngleAxisd(std::uniform_real_distribution<double>(0, 6.283)(random), axis).toRotationMatrix();
 }
 
-/// Moves B along the line of closest points until the gap is right.
-void set_gap(MeshPair& pair, double gap) {
+/// Moves B from `start` along the line of closest points until the gap is right.
+void set_gap(MeshPair& pair, double start, double gap) {
   const Kernel& kernel = kernel_named("brute-simd");
   const Precheck& precheck = prechecks().back();
-  pair.translation *= 2.2 * radius / pair.translation.norm();
+  pair.translation *= start / pair.translation.norm();
   Candidates candidates;
-  double distance = pair.translation.norm(); // at most, as B only ever comes closer
+  double distance = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < 20 && distance > gap * (1 + 1e-9); ++pass) {
     Hits hits;
     KernelCounts counts;
-    precheck.pairs({pair.a->triangles.view(), &pair.a->octree}, {pair.b->triangles.view(), &pair.b->octree},
-                   pair.placement(), distance * (1 + 1e-9), candidates);
-    kernel.closest({pair.a->triangles.view(), candidates.b.view(), candidates.pairs}, {}, hits, counts);
+    for (double reach = std::min(distance, 2 * gap) * (1 + 1e-9); hits.empty(); reach *= 2) {
+      precheck.pairs({pair.a->triangles.view(), &pair.a->octree}, {pair.b->triangles.view(), &pair.b->octree},
+                     pair.placement(), reach, candidates);
+      kernel.closest({pair.a->triangles.view(), candidates.b.view(), candidates.pairs}, {.reach = reach}, hits, counts);
+    }
     int nearest = 0;
     for (int k = 1; k < hits.size(); ++k)
       if (hits[k].closest.distance < hits[nearest].closest.distance) nearest = k;
@@ -95,7 +97,7 @@ MeshProblem mesh_problem(const BenchFamily& family, std::uint64_t seed, int pair
     const Mesh *a = body(2 * k), *b = body(2 * k + 1);
     const Eigen::Matrix3d turn = rotation(random);
     MeshPair& pair = problem.pairs.emplace_back(MeshPair{a, b, turn, gaussian(random).normalized()});
-    set_gap(pair, gap);
+    set_gap(pair, granulates ? 2.2 * radius : 2 * radius + 2 * gap, gap); // spheres are too many triangles from afar
   }
   return problem;
 }
