@@ -82,12 +82,14 @@ template <class T> [[gnu::flatten]] Weights<T> newton(const TrianglePair<T>& pai
   return z;
 }
 
-/// Weights moved into the triangles: negative ones to 0, then onto the third edge by scaling.
+/// Weights moved into the triangles: negative ones to 0, then onto the third edge by scaling. What Newton left infinite
+/// or not a number, as it may without damping, becomes some point of the triangle.
 template <class T> Weights<T> clamped(const Weights<T>& z) {
   Weights<T> r;
 #pragma GCC unroll 4
   for (int k = 0; k < 4; k += 2) {
-    const T v = max(z[k], T(0)), w = max(z[k + 1], T(0)), shrink = T(1) / max(v + w, T(1));
+    const auto positive = [](const T& x) { return select(x > T(0), min(x, constant<T>(1e30)), T(0)); };
+    const T v = positive(z[k]), w = positive(z[k + 1]), shrink = T(1) / max(v + w, T(1));
     r[k] = v * shrink;
     r[k + 1] = w * shrink;
   }

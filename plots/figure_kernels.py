@@ -12,7 +12,7 @@ from kernel_points import OURS, colour, found, median, ran
 from published import table_1
 from records import DRAWN, Point, load_sweep
 
-HEADER = ["kernel", "lanes", "schedule", "steps", "batch", "tolerance_S", "state", "median_ns", "mflop_s", "peak_share",
+HEADER = ["family", "kernel", "lanes", "schedule", "steps", "batch", "tolerance_S", "state", "median_ns", "mflop_s", "peak_share",
           "fall_back_share", "wrong_share", "wrong_unflagged_share", "believed_share", "believed_wrong_share", "record"]
 NOTES = [
     "Believed: neither point moved by more than the tolerance in the last step, the usual test of convergence; wrong: the "
@@ -41,9 +41,12 @@ def draw(results: Path, out: Path) -> Drawn:
         return save(figure, Drawn("figure_kernels", sweep, out, NOTES), HEADER, [_row(point) for point in sweep.points])
 
 
+def _of_every_family(points: list[Point]) -> list[Point]:
+    return [p for p in points if p.params["family"] == "every"]
+
+
 def _iterative(points: list[Point], steps: int) -> list[Point]:
-    chosen = [p for p in points if p.params["kernel"] == "iterative" and p.params["steps"] == steps and p.params["lanes"] == 0]
-    return chosen
+    return [p for p in _of_every_family(points) if p.params["kernel"] == "iterative" and p.params["steps"] == steps]
 
 
 def _histogram(axes, points: list[Point]) -> None:
@@ -59,8 +62,8 @@ def _histogram(axes, points: list[Point]) -> None:
 
 def _redone(axes, points: list[Point]) -> None:
     groups: dict[str, list[Point]] = {}
-    for point in points:
-        if point.params["kernel"].startswith("hybrid") and point.params["lanes"] == 0:
+    for point in _of_every_family(points):
+        if point.params["kernel"].startswith("hybrid"):
             batch = f", batch {point.params['batch']}" if point.params["kernel"] == "hybrid-batch" else ""
             groups.setdefault(point.params["kernel"] + batch, []).append(point)
     for number, (name, group) in enumerate(groups.items()):
@@ -86,9 +89,8 @@ def _believed(axes, points: list[Point]) -> None:
 
 
 def _as_published(points: list[Point]) -> list[Point]:
-    """Each kernel and number of lanes once, with the settings of the published table."""
-    return [p for p in points if p.params["tolerance"] == 1e-3 and p.params["schedule"] == "constant"
-            and p.params["steps"] == 4 and p.params["batch"] == 8]
+    """Each kernel and number of lanes once, on random pairs as the published table."""
+    return [p for p in points if p.params["family"] == "random_mixed"]
 
 
 def _rate(axes, points: list[Point]) -> None:
@@ -97,14 +99,14 @@ def _rate(axes, points: list[Point]) -> None:
     values = [_mflops(p) for p in chosen]
     bars = axes.bar(range(len(chosen)), values, color=[COLOURS[0] if ran(p, "lanes") > 1 else GREY for p in chosen])
     axes.bar_label(bars, [f"{v:.0f}\n{median(p):.0f} ns" for v, p in zip(values, chosen)], fontsize=7)
-    axes.set(title="Declared work per time", ylabel="MFLOP/s, one thread", ylim=(0, 1.2 * max(values, default=1)))
+    axes.set(title="Declared work per time, random pairs", ylabel="MFLOP/s, one thread", ylim=(0, 1.2 * max(values, default=1)))
     axes.set_xticks(range(len(chosen)), names, fontsize=7, rotation=30)
 
 
 def _roofline(axes, points: list[Point]) -> None:
     """Rate over declared flops per byte, below the lower of peak and bandwidth."""
     chosen = _as_published(points)
-    axes.set(title="Roofline", xscale="log", yscale="log", xlabel="declared flops per byte", ylabel="GFLOP/s, one thread")
+    axes.set(title="Roofline, random pairs", xscale="log", yscale="log", xlabel="declared flops per byte", ylabel="GFLOP/s, one thread")
     if not chosen:
         return
     peak, bandwidth = (statistics.median(found(p, key) for p in chosen) for key in ("peak_flop_s", "bandwidth_B_s"))
@@ -145,10 +147,10 @@ def _mflops(point: Point) -> float:
 
 
 def _row(point: Point) -> list:
-    params = [point.params[key] for key in ("kernel", "lanes", "schedule", "steps", "batch", "tolerance")]
+    params = [point.params[key] for key in ("family", "kernel", "lanes", "schedule", "steps", "batch", "tolerance")]
     if point.state != DRAWN:
         return [*params, point.state, *[""] * 8, point.id]
-    params[1] = ran(point, "lanes")
+    params[2] = ran(point, "lanes")
     shares = [found(point, key) for key in ("fall_back_share", "wrong_share", "wrong_unflagged_share", "believed_share",
                                             "believed_wrong_share")]
     values = [median(point), _mflops(point), 1e6 * _mflops(point) / found(point, "peak_flop_s"), *shares]

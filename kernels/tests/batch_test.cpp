@@ -71,6 +71,20 @@ TEST(Batches, EverySizeUpToThreePacksReportsEveryPairInOrder) {
     }
 }
 
+// Without damping Newton's matrix may be singular.
+TEST(Batches, EveryScheduleAnswersEveryPair) {
+  for (const RandomFamily& family : random_families()) {
+    const Problem pairs = problem(family, 1, 100);
+    for (const Kernel& kernel : kernels())
+      for (const PenaltySchedule& schedule : penalty_schedules()) {
+        Hits hits;
+        KernelCounts counts;
+        kernel.closest(pairs.pair_list(), {.steps = 8, .schedule = &schedule}, hits, counts);
+        ASSERT_EQ(hits.size(), pairs.size()) << kernel.name << ' ' << schedule.name << ' ' << family.name;
+      }
+  }
+}
+
 TEST(Batches, NothingAgainstSomethingIsNothing) {
   const Triangles none, some = crowd(3, 1);
   for (const Kernel& kernel : kernels()) {

@@ -38,7 +38,9 @@ def _bench(made_up):
 
 
 def test_rates_stand_beside_the_printed_table(bench):
-    rows, svg = bench("figure_kernels", [{"kernel": "brute", "lanes": 1, "ns": 700}, {"kernel": "iterative", "lanes": 0, "ns": 50}])
+    rows, svg = bench("figure_kernels", [{"family": "random_mixed", "kernel": "brute", "lanes": 1, "ns": 700},
+                                         {"family": "random_mixed", "kernel": "iterative", "lanes": 0, "ns": 50},
+                                         {"kernel": "brute-simd", "lanes": 0, "ns": 20}])
     assert float(rows[0]["median_ns"]) == pytest.approx(700) and float(rows[0]["mflop_s"]) == pytest.approx(2000)
     assert float(rows[0]["peak_share"]) == pytest.approx(0.02)
     for text in ("22.49 s", "962", "7.00 s", "2,000", "2.0%", "4.54 s", "0.50 s", "28,000", "28.0%", "2e-16 S"):
