@@ -63,6 +63,15 @@ def test_what_failed_or_answers_no_number_is_in_the_gutter(bench, made_up, monke
     assert heights == [2e-16, figure_w_1.GUTTER] and "failed: hybrid-pair" in svg, "what failed its check has no time"
 
 
+def test_the_fastest_kernel_of_each_reach_is_named(bench):
+    near, far = {"family": "near_vf", "reach_m": 0.01}, {"family": "near_vf", "reach_m": 1e9}
+    rows, svg = bench("figure_reach", [{**near, "kernel": "brute-simd", "ns": 20}, {**near, "kernel": "hybrid-pair", "ns": 10},
+                                       {**far, "kernel": "brute-simd", "ns": 20}, {**far, "kernel": "hybrid-pair", "ns": 30},
+                                       {**far, "kernel": "brute", "ns": 1, "passed": False}])
+    assert [row["fastest"] for row in rows] == ["", "yes", "yes", "", ""], "what failed its check does not win"
+    assert "brute-simd double, 8 lanes" in svg and "hybrid-pair, 4 steps" in svg and ">none<" in svg
+
+
 def test_mesh_pairs_are_compared_with_fcl(bench):
     rows, svg = bench("figure_w_2", [{"kernel": "brute-simd", "ns": 1000}, {"kernel": "fcl", "ns": 5000, "found": {"recall": 0.125}}])
     assert [float(row["times_fcl"]) for row in rows] == [5, 1] and float(rows[1]["recall"]) == 0.125
