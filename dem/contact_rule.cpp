@@ -23,7 +23,7 @@ void set_masses_of_bodies(const Particles& p, std::span<Contact> contacts) {
 /// Inverse of the mass that resists a force and the torque about the centre of body i (1/kg).
 double inverse_mass(const Particles& p, int i, const Vector3d& force, const Vector3d& torque) {
   if (p.fixed(i)) return 0;
-  const Vector3d t = p.orientation[i].conjugate() * torque;
+  const Vector3d t = p.is_sphere(i) ? torque : p.orientation[i].conjugate() * torque;
   return p.inverse_mass[i] * force.squaredNorm() + t.cwiseQuotient(p.inertia[i]).dot(t);
 }
 

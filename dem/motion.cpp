@@ -45,6 +45,26 @@ void turn_free_top(Eigen::Quaterniond& q, const Eigen::Vector3d& momentum, const
   q.normalize();
 }
 
+/// A sphere turns about its momentum, exactly.
+void turn_sphere(Eigen::Quaterniond& q, const Eigen::Vector3d& momentum, double inertia, double t) {
+  const Eigen::Vector3d half = t / (2 * inertia) * momentum;
+  const double angle = half.norm();
+  double s, c;
+  sin_cos(angle, s, c);
+  Eigen::Quaterniond by;
+  by.w() = c;
+  by.vec() = (angle > 0 ? s / angle : 1) * half;
+  q = (by * q).normalized();
+}
+
+/// Body i without any torque for time t.
+void turn_freely(Particles& p, int i, double t) {
+  if (p.is_sphere(i))
+    turn_sphere(p.orientation[i], p.angular_momentum[i], p.inertia[i].x(), t);
+  else
+    turn_free_top(p.orientation[i], p.angular_momentum[i], p.inertia[i], t);
+}
+
 } // namespace
 
 void integrate(Particles& p, const Loads& loads, const Eigen::Vector3d& gravity, StepLength step, int begin, int end) {
@@ -53,7 +73,7 @@ void integrate(Particles& p, const Loads& loads, const Eigen::Vector3d& gravity,
     p.velocity[i] += step.kick() * (gravity + p.inverse_mass[i] * loads.force[i]);
     p.position[i] += step.now * p.velocity[i];
     p.angular_momentum[i] += step.kick() * loads.torque[i];
-    turn_free_top(p.orientation[i], p.angular_momentum[i], p.inertia[i], step.now);
+    turn_freely(p, i, step.now);
   }
 }
 
@@ -76,7 +96,7 @@ Particles centred(const Particles& after_step, const Loads& loads, const Eigen::
     if (p.fixed(i)) continue;
     p.position[i] -= step_s * p.velocity[i];
     p.velocity[i] -= step_s / 2 * (gravity + p.inverse_mass[i] * loads.force[i]);
-    turn_free_top(p.orientation[i], p.angular_momentum[i], p.inertia[i], -step_s);
+    turn_freely(p, i, -step_s);
     p.angular_momentum[i] -= step_s / 2 * loads.torque[i];
   }
   return p;

@@ -46,10 +46,11 @@ void collide_spheres(const Particles& particles, BodyPair pair, WorkerBuffer& bu
 void collide_sphere_mesh(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer) {
   const bool sphere_is_a = particles.is_sphere(pair.a);
   const int sphere = sphere_is_a ? pair.a : pair.b, body = sphere_is_a ? pair.b : pair.a;
-  const TrianglesView triangles = particles.mesh[body]->triangles.view();
+  const Mesh& mesh = *particles.mesh[body];
+  const TrianglesView triangles = mesh.triangles.view();
   const double r = particles.radius[sphere], place = particles.contact_place(body, sphere);
   const Vec3<double> centre = vec3(to_body(particles, body, particles.position[sphere]));
-  narrow.precheck->triangles(triangles, centre, r + buffer.reach, buffer.near);
+  narrow.precheck->triangles({triangles, &mesh.octree}, centre, r + buffer.reach, buffer.near);
   for (int i : buffer.near) {
     ++buffer.kernel.triangle_pairs;
     const PointOnTriangle nearest = closest_point(centre, triangles[i]);

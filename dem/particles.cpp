@@ -15,6 +15,7 @@ void require(bool fine, int body, const char* problem) {
 
 Eigen::Vector3d Particles::angular_velocity(int i) const {
   if (fixed(i)) return Eigen::Vector3d::Zero();
+  if (is_sphere(i)) return angular_momentum[i] / inertia[i].x();
   const Eigen::Quaterniond& q = orientation[i];
   return q * ((q.conjugate() * angular_momentum[i]).cwiseQuotient(inertia[i]));
 }

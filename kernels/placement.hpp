@@ -49,5 +49,6 @@ inline Vec3<Octet> in_octet(const Vec3<double>& x) { return {Octet(x.x), Octet(x
 // Rows of the table of pre-checks.
 using PairsFunction = void(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach, Candidates& c);
 PairsFunction pairs_by_box, pairs_by_octree;
+void triangles_by_octree(const MeshView& mesh, const Vec3<double>& point, double reach, std::vector<int>& indices);
 
 } // namespace trigrain

@@ -45,16 +45,20 @@ void pair_all(const MeshView& b, const Placement& at, Candidates& c) {
   c.pairs = {c.list.data(), next};
 }
 
-void all_triangles(TrianglesView triangles, const Point&, double, std::vector<int>& indices) {
-  indices.resize(triangles.size);
+void all_triangles(const MeshView& mesh, const Point&, double, std::vector<int>& indices) {
+  indices.resize(mesh.triangles.size);
   std::iota(indices.begin(), indices.end(), 0);
 }
 
 void pairs_of_all(const MeshView& a, const MeshView& b, const Placement& at, double, Candidates& c) {
   c.clear();
-  all_triangles(a.triangles, {}, 0, c.near_a);
-  all_triangles(b.triangles, {}, 0, c.near_b);
+  all_triangles(a, {}, 0, c.near_a);
+  all_triangles(b, {}, 0, c.near_b);
   pair_all(b, at, c);
+}
+
+void triangles_by_sphere(const MeshView& mesh, const Point& point, double reach, std::vector<int>& indices) {
+  triangles_near_point(mesh.triangles, point, reach, indices);
 }
 
 void pairs_by_sphere(const MeshView& a, const MeshView& b, const Placement& at, double reach, Candidates& c) {
@@ -68,11 +72,11 @@ void pairs_by_sphere(const MeshView& a, const MeshView& b, const Placement& at, 
 constexpr Precheck table[] = {
     {"none", "every triangle pair of every candidate body pair", false, pairs_of_all, all_triangles},
     {"sphere", "bounding spheres of the bodies, then triangles against the other body's sphere", true, pairs_by_sphere,
-     triangles_near_point},
+     triangles_by_sphere},
     {"box", "a separating direction and its slab, then boxes and planes of triangles: for small meshes", true,
-     pairs_by_box, triangles_near_point},
+     pairs_by_box, triangles_by_octree},
     {"octree", "hierarchical cubic cuts of both bodies, refined where they meet: for large meshes", true,
-     pairs_by_octree, triangles_near_point},
+     pairs_by_octree, triangles_by_octree},
 };
 
 } // namespace

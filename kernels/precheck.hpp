@@ -45,8 +45,8 @@ struct Precheck {
   bool spheres; ///< are bodies whose bounding spheres are further apart than reach left out before?
   /// Candidates of two meshes.
   void (*pairs)(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach, Candidates& candidates);
-  /// Ascending numbers of the triangles that may come closer than `reach` to the point (m, their frame).
-  void (*triangles)(TrianglesView triangles, const Vec3<double>& point, double reach, std::vector<int>& indices);
+  /// Ascending numbers of the triangles that may come closer than `reach` to the point (m, the mesh's frame).
+  void (*triangles)(const MeshView& mesh, const Vec3<double>& point, double reach, std::vector<int>& indices);
 };
 
 std::span<const Precheck> prechecks();

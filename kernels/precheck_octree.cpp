@@ -33,7 +33,7 @@ Box box_in(const BoxOctet& boxes, int k) {
   return {{boxes.low[0][k], boxes.low[1][k], boxes.low[2][k]}, {boxes.high[0][k], boxes.high[1][k], boxes.high[2][k]}};
 }
 
-/// Bits of the boxes whose distance from `box` is at most reach.
+/// Bits of the boxes whose distance from `box` is at most reach; never of empty boxes, which are 1e150 away.
 FLATTEN_OCTETS unsigned near_boxes(const Box& box, const BoxOctet& boxes, double reach) {
   Octet distance2(0.);
   for (int axis = 0; axis < 3; ++axis) {
@@ -41,7 +41,7 @@ FLATTEN_OCTETS unsigned near_boxes(const Box& box, const BoxOctet& boxes, double
     const Octet between = max(max(low - Octet(box.high[axis]), Octet(box.low[axis]) - high), Octet(0.));
     distance2 = distance2 + between * between;
   }
-  return bits_of(distance2 <= Octet(reach * reach));
+  return bits_of(distance2 <= Octet(std::min(reach * reach, 1e299)));
 }
 
 /// The discs of B, turned and moved.
@@ -152,7 +152,28 @@ class Descent {
   Candidates& c_;
 };
 
+/// Triangles of a cut and of those in it that box and disc leave within reach of a point.
+void visit_near(const Octree& octree, int number, const Point& point, double reach, std::vector<int>& indices) {
+  const Cut& cut = octree.cut(number);
+  const std::array<double, 3> at{point.x, point.y, point.z};
+  const unsigned near = near_boxes({at, at}, cut.boxes, reach);
+  for (unsigned bits = near & near_discs({point, {0, 0, 1}, 0, 0}, cut.discs, reach); bits != 0; bits &= bits - 1) {
+    const int entry = cut.entry[std::countr_zero(bits)];
+    if (cut.leaf)
+      indices.push_back(entry);
+    else
+      visit_near(octree, entry, point, reach, indices);
+  }
+}
+
 } // namespace
+
+void triangles_by_octree(const MeshView& mesh, const Point& point, double reach, std::vector<int>& indices) {
+  indices.clear();
+  const double extent = mesh.octree->radius() + std::sqrt(squared(point));
+  visit_near(*mesh.octree, 0, point, reach + slack * extent, indices);
+  std::sort(indices.begin(), indices.end());
+}
 
 void pairs_by_octree(const MeshView& a, const MeshView& b, const Placement& at, double reach, Candidates& c) {
   c.clear();

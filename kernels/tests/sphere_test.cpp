@@ -1,3 +1,4 @@
+#include "kernels/precheck.hpp"
 #include "kernels/sphere.hpp"
 #include "pairs.hpp"
 #include <cmath>
@@ -32,6 +33,18 @@ TEST(Spheres, PointTriangleMeetsExactNumbers) {
     }
 }
 
+namespace {
+
+std::vector<Vec3<double>> corners_of(const Triangles& triangles) {
+  std::vector<Vec3<double>> corners;
+  for (int k = 0; k < triangles.size(); ++k)
+    for (const Vec3<double>& x : {triangles.view()[k].a0, triangles.view()[k].a1, triangles.view()[k].a2})
+      corners.push_back(x);
+  return corners;
+}
+
+} // namespace
+
 // For every family of triangle, slivers and degenerate ones too, with the reach put right at one of the distances.
 TEST(TrianglesNearPoint, MissesNoneAndTakesNoneBeyondItsSlack) {
   for (const RandomFamily& family : random_families())
@@ -64,6 +77,17 @@ TEST(TrianglesNearPoint, MissesNoneAndTakesNoneBeyondItsSlack) {
           }
         }
         EXPECT_TRUE(found.empty() || (found.front() >= 0 && found.back() < size));
+        const Octree octree(corners_of(triangles), triangles.view());
+        for (const Precheck& precheck : prechecks()) {
+          std::vector<int> near{-7};
+          precheck.triangles({triangles.view(), &octree}, centre, reach, near);
+          EXPECT_TRUE(std::is_sorted(near.begin(), near.end()));
+          for (int k = 0; k < size; ++k)
+            if (distances[k] <= reach) {
+              ASSERT_TRUE(std::binary_search(near.begin(), near.end(), k))
+                  << precheck.name << ", " << family.name << ", first " << first << ", triangle " << k;
+            }
+        }
       }
     }
 }
