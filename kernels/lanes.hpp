@@ -198,12 +198,20 @@ template <class T> [[gnu::always_inline]] inline T inverse_or_zero(const T& x) {
 
 /// The powers of two p <= x < 2 p of floats, and 1 / p; 1 for numbers that have none within a float's range.
 template <class T> [[gnu::always_inline]] inline void power_of_two_below(const T& x, T& p, T& inverse) {
-  constexpr std::uint32_t exponent = 0x7f800000, one = 0x3f800000;
-  using Bits [[gnu::vector_size(sizeof(T))]] = std::uint32_t;
-  Bits bits = std::bit_cast<Bits>(x) & exponent;
-  bits = bits - 1 < 2 * one - 1 ? bits : Bits{} + one; // neither zero nor 2^127 and more
-  p = std::bit_cast<T>(bits);
-  inverse = std::bit_cast<T>(2 * one - bits);
+  if constexpr (std::is_trivially_copyable_v<T>) {
+    constexpr std::uint32_t exponent = 0x7f800000, one = 0x3f800000;
+    using Bits [[gnu::vector_size(sizeof(T))]] = std::uint32_t;
+    Bits bits = std::bit_cast<Bits>(x) & exponent;
+    bits = bits - 1 < 2 * one - 1 ? bits : Bits{} + one; // neither zero nor 2^127 and more
+    p = std::bit_cast<T>(bits);
+    inverse = std::bit_cast<T>(2 * one - bits);
+  } else // a pack of several registers, as 16 floats are on AVX2
+    for (int lane = 0; lane < static_cast<int>(T::size()); ++lane) {
+      float p_here, inverse_here;
+      power_of_two_below<float>(x[lane], p_here, inverse_here);
+      p[lane] = p_here;
+      inverse[lane] = inverse_here;
+    }
 }
 
 /// The lanes of m as bits.
