@@ -232,12 +232,12 @@ void move_to_body_frame(Mesh& mesh) {
 
 } // namespace
 
-void index_triangles(Mesh& mesh) {
+void index_triangles(Mesh& mesh, Cuts cuts) {
   std::vector<Vec3<double>> vertices;
   for (const Vector3d& v : mesh.vertices) vertices.push_back({v.x(), v.y(), v.z()});
   mesh.triangles.clear();
   for (const Face& f : mesh.faces) mesh.triangles.push_back({vertices[f[0]], vertices[f[1]], vertices[f[2]]});
-  mesh.octree = Octree(vertices, mesh.triangles.view());
+  mesh.octree = Octree(vertices, mesh.triangles.view(), cuts);
 }
 
 Mesh make_mesh(std::string name, std::vector<Vector3d> vertices, std::vector<Face> faces) {

@@ -40,7 +40,7 @@ struct Mesh {
 Mesh make_mesh(std::string name, std::vector<Eigen::Vector3d> vertices, std::vector<std::array<int, 3>> faces);
 
 /// Fills `triangles` and `octree` from vertices and faces.
-void index_triangles(Mesh& mesh);
+void index_triangles(Mesh& mesh, Cuts cuts = Cuts::adaptive);
 
 /// Cuboid of edge lengths `size` (m) about the origin; each face cut into subdivide x subdivide oblongs of two
 /// triangles.

@@ -33,13 +33,15 @@ struct Octree::Builder {
   TrianglesView triangles;
   std::vector<Box> box;                      ///< of each triangle
   std::vector<std::array<double, 3>> middle; ///< of each box
+  int shallowest, deepest;                   ///< leaf: as asked for, and as found
 
   /// Makes the cut of some triangles in a cube and returns its number.
   int make(std::span<int> numbers, const std::array<double, 3>& centre, double half, int depth) {
     const int number = static_cast<int>(cuts.size());
     cuts.emplace_back();
     Cut cut{};
-    cut.leaf = numbers.size() <= 8;
+    cut.leaf = numbers.size() <= 8 && depth >= shallowest;
+    deepest = std::max(deepest, depth);
     std::array<Box, 8> part;
     part.fill(empty);
     std::array<Disc, 8> disc{};
@@ -123,7 +125,7 @@ struct Octree::Builder {
   }
 };
 
-Octree::Octree(std::span<const Vec3<double>> vertices, TrianglesView triangles) {
+Octree::Octree(std::span<const Vec3<double>> vertices, TrianglesView triangles, Cuts cuts) {
   const std::size_t padded = (vertices.size() + 7) / 8 * 8;
   for (std::size_t v = 0; v < padded; ++v) {
     const Vec3<double>& x = vertices[v < vertices.size() ? v : 0];
@@ -132,7 +134,7 @@ Octree::Octree(std::span<const Vec3<double>> vertices, TrianglesView triangles) 
     vertex_[2].push_back(x.z);
     radius_ = std::max(radius_, std::sqrt(x.x * x.x + x.y * x.y + x.z * x.z));
   }
-  Builder builder{cuts_, triangles, {}, {}};
+  Builder builder{cuts_, triangles, {}, {}, 0, 0};
   Box all = empty;
   for (int k = 0; k < triangles.size; ++k) {
     const Box b = box_of(triangles[k]);
@@ -148,6 +150,10 @@ Octree::Octree(std::span<const Vec3<double>> vertices, TrianglesView triangles) 
   }
   std::vector<int> order(triangles.size);
   std::iota(order.begin(), order.end(), 0);
+  builder.make(order, centre, half, 0);
+  if (cuts == Cuts::adaptive) return;
+  cuts_.clear();
+  builder.shallowest = builder.deepest;
   builder.make(order, centre, half, 0);
 }
 

@@ -43,6 +43,9 @@ struct Cut {
   bool leaf;
 };
 
+/// How deep an octree cuts: each cube as its triangles need, or all of them as the one that needs most.
+enum class Cuts { adaptive, regular };
+
 /// A mesh as the pre-checks want it, in its body frame; built once per mesh. The octree halves cubes until at most
 /// eight triangles have their middle in one, and keeps the box of what is inside: Krestenitis (2018), hierarchical
 /// cubic cuts, here with tight boxes so that a triangle belongs to one cut only.
@@ -50,7 +53,7 @@ class Octree {
  public:
   Octree() = default;
   /// Copies what it needs; triangle k of `triangles` keeps its number. At least one triangle.
-  Octree(std::span<const Vec3<double>> vertices, TrianglesView triangles);
+  Octree(std::span<const Vec3<double>> vertices, TrianglesView triangles, Cuts cuts = Cuts::adaptive);
 
   /// Coordinates of the vertices, padded to a multiple of eight with the first.
   std::array<const double*, 3> vertices() const { return {vertex_[0].data(), vertex_[1].data(), vertex_[2].data()}; }

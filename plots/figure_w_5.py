@@ -9,7 +9,7 @@ from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, Figure, command_line, c
 from kernel_points import found, median, nanoseconds
 from records import DRAWN, Point, Sweep, load_sweep
 
-HEADER = ["kernel", "precheck", "triangles_per_mesh", "state", "median_us", "min_us", "max_us", "gap_error_radii", "record"]
+HEADER = ["kernel", "precheck", "cuts", "triangles_per_mesh", "state", "median_us", "min_us", "max_us", "gap_error_radii", "record"]
 NOTES = ["Thin lines: T squared, as every triangle against every other costs, and log T, both from the leftmost point. Right: "
          "the difference of the gap from that of two smooth spheres, the largest over all pairs."]
 
@@ -39,13 +39,16 @@ def draw(results: Path, out: Path) -> Drawn:
 
 
 def _method(point: Point) -> str:
-    return "FCL" if point.params["kernel"] == "fcl" else f"{point.params['kernel']}, {point.params['precheck']}"
+    if point.params["kernel"] == "fcl":
+        return "FCL"
+    cuts = ", regular cuts" if point.params["cuts"] == "regular" else ""
+    return f"{point.params['kernel']}, {point.params['precheck']}{cuts}"
 
 
 def _guides(axes, sweep: Sweep) -> None:
     import math
     for method, law in (("none", lambda t: t * t), ("octree", math.log)):
-        points = [p for p in sweep.drawn() if p.params["precheck"] == method and p.params["kernel"] != "fcl"]
+        points = [p for p in sweep.drawn() if _method(p) == f"brute-simd, {method}"]
         sizes = sorted(found(p, "triangles_per_mesh") for p in points)
         if len(sizes) > 1:
             start = min(points, key=lambda p: found(p, "triangles_per_mesh"))
@@ -54,7 +57,7 @@ def _guides(axes, sweep: Sweep) -> None:
 
 
 def _row(point: Point) -> list:
-    names = [point.params["kernel"], point.params["precheck"]]
+    names = [point.params["kernel"], point.params["precheck"], point.params["cuts"]]
     if point.state != DRAWN:
         return [*names, point.params["family"].removeprefix("spheres_"), point.state, "", "", "", "", point.id]
     times = nanoseconds(point)

@@ -49,6 +49,9 @@ std::optional<BenchOptions> parse_bench_options(int argc, char** argv, std::ostr
   app.add_option("--lanes", o.lanes, "pairs at once; 0 for as many as fill a register")->capture_default_str();
   app.add_option("--family", o.family, "what the pairs are like; see --list")->capture_default_str();
   app.add_option("--precheck", o.precheck, "of meshes")->capture_default_str();
+  app.add_option("--cuts", o.cuts, "of the octrees of meshes: as deep as each cube needs, or all as deep as one needs")
+      ->check(CLI::IsMember({"adaptive", "regular"}))
+      ->capture_default_str();
   app.add_option("--steps", o.query.steps, "Newton steps")->check(CLI::Range(0, 64))->capture_default_str();
   app.add_option("--tolerance", o.query.tolerance, "in S, of a hybrid's proof")->check(CLI::NonNegativeNumber);
   app.add_option("--batch", o.query.batch, "pairs proven or redone together")->check(CLI::PositiveNumber);
@@ -138,7 +141,8 @@ std::vector<Entry> chosen_entries(const BenchOptions& options, const std::vector
       if (c.kernel && !wanted(options.precision, c.precision)) continue;
       if (family.meshes && !meshes)
         meshes = std::make_shared<MeshProblem>(
-            mesh_problem(family, options.seed, options.pairs > 0 ? options.pairs : mesh_pairs));
+            mesh_problem(family, options.seed, options.pairs > 0 ? options.pairs : mesh_pairs,
+                         options.cuts == "regular" ? Cuts::regular : Cuts::adaptive));
       if (!family.meshes && !triangles)
         triangles = std::make_shared<Problem>(
             triangle_problem(family, options.seed, options.pairs > 0 ? options.pairs : triangle_pairs));

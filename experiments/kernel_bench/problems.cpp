@@ -78,7 +78,7 @@ Problem triangle_problem(const BenchFamily& family, std::uint64_t seed, int pair
   return problem(mixed);
 }
 
-MeshProblem mesh_problem(const BenchFamily& family, std::uint64_t seed, int pairs) {
+MeshProblem mesh_problem(const BenchFamily& family, std::uint64_t seed, int pairs, Cuts cuts) {
   const bool granulates = family.name.starts_with("granulates"), apart = family.name.ends_with("apart");
   const int number = number_in(family.name);
   const double gap = (apart ? .1 : .01) * radius;
@@ -99,6 +99,8 @@ MeshProblem mesh_problem(const BenchFamily& family, std::uint64_t seed, int pair
     MeshPair& pair = problem.pairs.emplace_back(MeshPair{a, b, turn, gaussian(random).normalized()});
     set_gap(pair, granulates ? 2.2 * radius : 2 * radius + 2 * gap, gap); // spheres are too many triangles from afar
   }
+  if (cuts != Cuts::adaptive)
+    for (auto& mesh : problem.meshes) index_triangles(*mesh, cuts);
   return problem;
 }
 

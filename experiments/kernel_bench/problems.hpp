@@ -18,7 +18,7 @@ Problem triangle_problem(const BenchFamily& family, std::uint64_t seed, int pair
 /// Pairs of bodies of radius about .5 m at a gap of .01 radii, or, where the name ends in "apart", of .1, and contacts
 /// within .02 radii: "granulates" are two hulls of so many points, "spheres" two icospheres of so many triangles, whose
 /// reach is only 1e-5 radii more than the gap: one small contact whatever the number of triangles.
-MeshProblem mesh_problem(const BenchFamily& family, std::uint64_t seed, int pairs);
+MeshProblem mesh_problem(const BenchFamily& family, std::uint64_t seed, int pairs, Cuts cuts);
 
 /// Two icospheres stand for two smooth spheres: largest difference of the two gaps, in radii.
 double smooth_gap_error(const MeshProblem& spheres);

@@ -33,6 +33,7 @@ Json params(const BenchOptions& o, const Entry& entry) {
           {"lanes", entry.contestant->lanes},
           {"family", entry.family.name},
           {"precheck", meshes && ours ? Json(entry.precheck->name) : Json(nullptr)},
+          {"cuts", meshes && ours ? Json(o.cuts) : Json(nullptr)},
           {"steps", o.query.steps},
           {"tolerance", o.query.tolerance},
           {"batch", o.query.batch},

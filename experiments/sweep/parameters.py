@@ -100,6 +100,7 @@ KERNEL_BENCH = Program("kernel_bench", {
     "lanes": Parameter("--lanes", int, least=0),
     "family": Parameter("--family", str, TRIANGLE_FAMILIES + MESH_FAMILIES),
     "precheck": Parameter("--precheck", str, ("none", "sphere", "box", "octree")),
+    "cuts": Parameter("--cuts", str, ("adaptive", "regular")),
     "steps": Parameter("--steps", int, least=0),
     "tolerance": Parameter("--tolerance", float, least=0),
     "batch": Parameter("--batch", int, least=1),

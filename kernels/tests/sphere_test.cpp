@@ -3,6 +3,7 @@
 #include "pairs.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
+#include <set>
 
 namespace trigrain {
 
@@ -77,7 +78,7 @@ TEST(TrianglesNearPoint, MissesNoneAndTakesNoneBeyondItsSlack) {
           }
         }
         EXPECT_TRUE(found.empty() || (found.front() >= 0 && found.back() < size));
-        const Octree octree(corners_of(triangles), triangles.view());
+        const Octree octree(corners_of(triangles), triangles.view(), first % 2 == 0 ? Cuts::adaptive : Cuts::regular);
         for (const Precheck& precheck : prechecks()) {
           std::vector<int> near{-7};
           precheck.triangles({triangles.view(), &octree}, centre, reach, near);
@@ -90,6 +91,43 @@ TEST(TrianglesNearPoint, MissesNoneAndTakesNoneBeyondItsSlack) {
         }
       }
     }
+}
+
+namespace {
+
+/// Depths of the leaves below a cut, and how many triangles they hold.
+void walk(const Octree& octree, int number, int depth, std::set<int>& depths, int& triangles) {
+  const Cut& cut = octree.cut(number);
+  if (cut.leaf) depths.insert(depth);
+  for (int k = 0; k < 8; ++k) {
+    if (cut.boxes.low[0][k] > cut.boxes.high[0][k]) continue; // empty
+    if (cut.leaf)
+      ++triangles;
+    else
+      walk(octree, cut.entry[k], depth + 1, depths, triangles);
+  }
+}
+
+} // namespace
+
+TEST(Octree, RegularCutsEndAtOneDepthAndAdaptiveOnesWhereTheyMay) {
+  Triangles triangles; // many in one corner, few elsewhere
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> share(0, 1);
+  for (int k = 0; k < 500; ++k) {
+    const double size = k % 2 == 0 ? 1 : .01, x = size * share(random), y = size * share(random),
+                 z = size * share(random);
+    triangles.push_back({{x, y, z}, {x + .001, y, z}, {x, y + .001, z}});
+  }
+  std::set<int> adaptive, regular;
+  int in_adaptive = 0, in_regular = 0;
+  walk(Octree(corners_of(triangles), triangles.view()), 0, 0, adaptive, in_adaptive);
+  walk(Octree(corners_of(triangles), triangles.view(), Cuts::regular), 0, 0, regular, in_regular);
+  EXPECT_GT(adaptive.size(), 1u);
+  EXPECT_EQ(regular.size(), 1u);
+  EXPECT_EQ(*regular.begin(), *adaptive.rbegin());
+  EXPECT_EQ(in_adaptive, 500);
+  EXPECT_EQ(in_regular, 500);
 }
 
 } // namespace trigrain

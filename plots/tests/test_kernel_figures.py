@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 PLOTS = Path(__file__).resolve().parents[1]
-BENCH = {"precision": "double", "lanes": 8, "steps": 4, "tolerance": 1e-3, "schedule": "constant", "batch": 8, "precheck": "box"}
+BENCH = {"precision": "double", "lanes": 8, "steps": 4, "tolerance": 1e-3, "schedule": "constant", "batch": 8, "precheck": "box", "cuts": "adaptive"}
 FOUND = {"flops_per_pair": 1400, "bytes_per_pair": 200, "peak_flop_s": 1e11, "bandwidth_B_s": 1e11, "roofline_ns_per_pair": 14,
          "error_p50_S": 0, "error_p99_S": 2e-16, "error_max_S": 3e-16, "wrong_share": 0, "wrong_unflagged_share": 0,
          "fall_back_share": 0.25, "believed_share": 1, "believed_wrong_share": 0.125, "proven_after_steps": [0.5, 0.25],
