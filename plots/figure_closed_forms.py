@@ -32,7 +32,7 @@ def draw(results: Path, out: Path) -> Drawn:
                       "ellipsoid, {:g} deg", "triangles", -1),
             balls(axes[2], sweep),
             converges(axes[3], sweep, "rolling-polygon", "stiffness", ("spin_ratio_error",), "prism of {:g} corners",
-                      "stiffness / 1e8 N/m", -0.5),
+                      "stiffness / 1e8 N/m", None),
             converges(axes[4], sweep, "bounce", "stiffness", ("time_to_rest_error",), "bouncing, e = {:g}",
                       "stiffness / 1e9 N/m", -0.5),
             beside_bars(axes[5], sweep)]
@@ -44,8 +44,10 @@ def draw(results: Path, out: Path) -> Drawn:
                     ["study", "value", "level", "stiffness", "metric", "found", "bar", "within"], rows)
 
 
-def converges(axis, sweep: Sweep, study: str, over: str, errors: tuple[str, ...], label: str, below: str, order: float) -> str:
-    """The root of the sum of squared errors over a parameter or metric, a line per value; a guide of that slope."""
+def converges(axis, sweep: Sweep, study: str, over: str, errors: tuple[str, ...], label: str, below: str,
+              order: float | None) -> str:
+    """The root of the sum of squared errors over a parameter or metric, a line per value; a guide of that slope,
+    if there is one: a prism keeps what twice the critical damping returns, however stiff."""
     found: dict[float, list[tuple[float, float]]] = {}
     for p in sweep.points:
         if p.state == DRAWN and p.params["study"] == study:
@@ -57,10 +59,11 @@ def converges(axis, sweep: Sweep, study: str, over: str, errors: tuple[str, ...]
     for (value, line), colour, marker in zip(sorted(found.items()), COLOURS, MARKERS):
         x, y = zip(*sorted(line))
         axis.plot(x, y, color=colour, marker=marker, label=label.format(value))
-    if found:
+    if found and order is not None:
         x0, y0 = min(max(found.values(), key=len))
         x1 = max(x for line in found.values() for x, _ in line)
         axis.plot([x0, x1], [y0, y0 * (x1 / x0)**order], color=GREY, linewidth=0.8, label=f"slope {order:g}")
+    if found:
         axis.legend(fontsize=8, loc="lower left")
     axis.set(xscale="log", yscale="log", xlabel=below, ylabel="error")
     return ""

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A cube at rest: drift, turn and kinetic energy over up to a million steps."""
+"""A cube at rest, a block on a slope: drift, turn, kinetic energy and creep over up to a million steps."""
 import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
@@ -12,17 +12,22 @@ PANELS = [
     Panel(by_rule("long-rest", "drift_m"), "steps", "drift (m)", floor=1e-18),
     Panel(by_rule("long-rest", "turn_rad"), "steps", "turn (rad)", floor=1e-18),
     Panel(by_rule("long-rest", "kinetic_of_m_g_overlap"), "steps", "kinetic energy / (m g overlap)", floor=1e-30),
+    Panel([*by_rule("slope-rest", "creep_m"),
+           Line("friction without springs (theory)", "slope-rest", "creep_without_springs_m", {"contact_rule": "features"})],
+          "steps", "creep at 20 degrees, mu = .5 (m)", floor=1e-18),
 ]
 
 
 def notes(sweep) -> list[str]:
-    return [f"{rule}: drifts by {worst(sweep, Line('', 'long-rest', 'drift_m', {'contact_rule': rule})):.1e} m."
-            for rule in RULES]
+    def of(study: str, metric: str, rule: str) -> float:
+        return worst(sweep, Line("", study, metric, {"contact_rule": rule}))
+    return [f"{rule}: a cube drifts by {of('long-rest', 'drift_m', rule):.1e} m, a block on a slope creeps by "
+            f"{of('slope-rest', 'creep_m', rule):.1e} m." for rule in RULES]
 
 
 def draw(results: Path, out: Path) -> Drawn:
     """Reads RESULTS/stability_rest, writes OUT/stability_rest.svg, .png and .csv."""
-    return draw_panels(NAME, PANELS, notes, results, out)
+    return draw_panels(NAME, PANELS, notes, results, out, columns=2)
 
 
 if __name__ == "__main__":

@@ -113,7 +113,8 @@ KERNEL_BENCH = Program("kernel_bench", {
 
 STABILITY = Program("stability", {
     "study": Parameter("--study", str, (
-        "tessellation", "loop-work", "face-rest", "impact", "free-top", "rigid-impact", "ellipsoid-impact", "slope", "topple",
+        "tessellation", "loop-work", "face-rest", "impact", "free-top", "rigid-impact", "ellipsoid-impact", "slope", "slope-rest",
+        "topple",
         "rolling-ball", "rolling-polygon", "mesh-sphere", "bounce", "similarity", "discharge", "critical-step", "rebound",
         "rebound-explicit", "long-run", "tunnelling",
         "detection", "overlap-release", "cut-floor", "mass-ratio", "long-rest", "flat-drop", "grazing", "determinism", "stack", "rule-cost",
