@@ -3,18 +3,22 @@
 
 namespace trigrain {
 
-/// One point where two bodies touch; world frame, SI.
-struct Contact {
-  int a, b;                            ///< bodies, a < b
-  int feature_a, feature_b;            ///< what touches: triangle or piece of surface, as the contact rule says
-  Eigen::Vector3d point{0, 0, 0};      ///< between the closest points P on A and Q on B, Particles::contact_place (m)
-  Eigen::Vector3d normal{0, 0, 0};     ///< unit, from Q to P: towards A
-  double overlap = 0;                  ///< sum of halos - |PQ| (m), > 0
-  double share = 1;                    ///< of a spring's energy: the spring holds k share overlap^2 / 2
-  double mass = 0;                     ///< effective mass of all contacts of the pair together (kg), for the dashpot
-  Eigen::Vector3d push{0, 0, 0};       ///< force of the spring on A over its stiffness (m): overlap * normal, but for
-                                       ///< crossing edges
-  Eigen::Vector3d couple{0, 0, 0};     ///< torque of the spring on A about `point` over its stiffness (m2)
+/// One point where two bodies touch, as a contact rule finds it; world frame, SI.
+struct Touch {
+  int a, b;                        ///< bodies, a < b
+  int feature_a, feature_b;        ///< what touches: triangle or piece of surface, as the contact rule says
+  Eigen::Vector3d point{0, 0, 0};  ///< between the closest points P on A and Q on B, Particles::contact_place (m)
+  Eigen::Vector3d normal{0, 0, 0}; ///< unit, from Q to P: towards A
+  double overlap = 0;              ///< sum of halos - |PQ| (m), > 0
+  double share = 1;                ///< of a spring's energy: the spring holds k share overlap^2 / 2
+  double mass = 0;                 ///< effective mass of all contacts of the pair together (kg), for the dashpot
+  Eigen::Vector3d push{0, 0, 0};   ///< force of the spring on A over its stiffness (m): overlap * normal, but for
+                                   ///< crossing edges
+  Eigen::Vector3d couple{0, 0, 0}; ///< torque of the spring on A about `point` over its stiffness (m2)
+};
+
+/// The same with its forces.
+struct Contact : Touch {
   Eigen::Vector3d tangential{0, 0, 0}; ///< stretch of the tangential spring (m), kept from step to step
   double tangential_stiffness = 0;     ///< of that spring in the last step (N/m)
   double spring_energy = 0;            ///< of the normal and the tangential spring (J)
@@ -24,6 +28,13 @@ struct Contact {
   Eigen::Vector3d elastic{0, 0, 0};    ///< the normal spring's share of `force` (N)
   Eigen::Vector3d force{0, 0, 0};      ///< on A (N); B gets the opposite
   Eigen::Vector3d torque{0, 0, 0};     ///< on A beside that of the force (N m); B gets the opposite
+};
+
+/// What a contact of the last step hands on to the same contact of this one.
+struct HeldSpring {
+  int feature_a, feature_b;
+  Eigen::Vector3d tangential; ///< m
+  double stiffness;           ///< N/m
 };
 
 } // namespace trigrain

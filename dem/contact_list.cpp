@@ -10,6 +10,12 @@ constexpr int grain = 64; // bodies or pairs a worker takes at a time
 
 int count_up(int& counter, int by = 1) { return std::atomic_ref(counter).fetch_add(by, std::memory_order_relaxed); }
 
+/// Resizes to `count` with an eighth of room to grow, where vectors left alone take twice of what they need.
+template <class T> void resize_closely(std::vector<T>& list, std::size_t count) {
+  if (count > list.capacity()) list.reserve(count + count / 8);
+  list.resize(count);
+}
+
 /// first[i + 1] holds the count of i; then first[i] is where i begins.
 void add_up(std::vector<int>& first) { std::partial_sum(first.begin(), first.end(), first.begin()); }
 
@@ -31,12 +37,22 @@ template <class Visit> void for_found(std::span<const WorkerBuffer> buffers, Tea
 } // namespace
 
 void ContactList::gather(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
-  last_contacts_.swap(contacts_);
+  keep_springs(team);
   last_pairs_.swap(pairs_);
   last_first_a_.swap(first_a_);
   count(buffers, particles, team);
   sort_pairs(buffers, particles.size(), team);
   place_contacts(buffers, particles, team);
+}
+
+void ContactList::keep_springs(Team& team) {
+  resize_closely(last_springs_, contacts_.size());
+  team.parallel_for(static_cast<int>(contacts_.size()), grain, [&](int begin, int end, int) {
+    for (int i = begin; i < end; ++i) {
+      const Contact& c = contacts_[i];
+      last_springs_[i] = {c.feature_a, c.feature_b, c.tangential, c.tangential_stiffness};
+    }
+  });
 }
 
 /// How many pairs each body has as a and as b. Fixed bodies feel no forces.
@@ -49,8 +65,8 @@ void ContactList::count(std::span<const WorkerBuffer> buffers, const Particles& 
   });
   add_up(first_a_);
   add_up(first_b_);
-  pairs_.resize(first_a_.back());
-  pairs_of_b_.resize(first_b_.back());
+  resize_closely(pairs_, first_a_.back());
+  resize_closely(pairs_of_b_, first_b_.back());
 }
 
 /// Counting sort by a: where the workers put a pair among those of its a depends on who is first, sorting by b mends
@@ -78,13 +94,14 @@ void ContactList::sort_pairs(std::span<const WorkerBuffer> buffers, int bodies, 
 void ContactList::place_contacts(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
   place_[0] = 0;
   add_up(place_);
-  contacts_.resize(place_.back());
+  resize_closely(contacts_, place_.back());
   place_b_.assign(first_b_.begin(), first_b_.end());
   team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
     for (int i = begin; i < end; ++i) {
       Pair& pair = pairs_[i];
       pair.first += place_[pair.a];
-      std::copy_n(buffers[pair.worker].contacts.begin() + pair.found, pair.count, contacts_.begin() + pair.first);
+      const Touch* const found = buffers[pair.worker].contacts.data() + pair.found;
+      for (int c = 0; c < pair.count; ++c) contacts_[pair.first + c] = Contact{found[c]};
       if (!particles.fixed(pair.b)) pairs_of_b_[count_up(place_b_[pair.b])] = i;
     }
   });
@@ -94,12 +111,12 @@ void ContactList::place_contacts(std::span<const WorkerBuffer> buffers, const Pa
   });
 }
 
-std::span<const Contact> ContactList::last_of_pair(int pair) const {
+std::span<const HeldSpring> ContactList::last_of_pair(int pair) const {
   const auto [a, b] = std::pair(pairs_[pair].a, pairs_[pair].b);
   if (last_first_a_.empty()) return {};
   const auto first = last_pairs_.begin() + last_first_a_[a], last = last_pairs_.begin() + last_first_a_[a + 1];
   const auto found = std::lower_bound(first, last, b, [](const Pair& p, int body) { return p.b < body; });
-  return found != last && found->b == b ? within(last_contacts_, *found) : std::span<const Contact>();
+  return found != last && found->b == b ? within(last_springs_, *found) : std::span<const HeldSpring>();
 }
 
 } // namespace trigrain

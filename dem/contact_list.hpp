@@ -16,12 +16,12 @@ class ContactList {
     int worker, found;
     int first, count;
   };
-  static std::span<const Contact> within(const std::vector<Contact>& contacts, const Pair& pair) {
-    return std::span(contacts).subspan(pair.first, pair.count);
+  template <class T> static std::span<const T> within(const std::vector<T>& list, const Pair& pair) {
+    return std::span(list).subspan(pair.first, pair.count);
   }
 
  public:
-  /// Takes over what the workers found, and remembers the last step's contacts. Allocates only to grow.
+  /// Takes over what the workers found, and remembers the springs of the last step's contacts. Allocates only to grow.
   void gather(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team);
 
   std::vector<Contact>& contacts() { return contacts_; }
@@ -31,7 +31,7 @@ class ContactList {
   int pairs() const { return static_cast<int>(pairs_.size()); }
   std::span<Contact> of_pair(int pair) { return std::span(contacts_).subspan(pairs_[pair].first, pairs_[pair].count); }
   /// What the same two bodies had in the last step; empty if nothing.
-  std::span<const Contact> last_of_pair(int pair) const;
+  std::span<const HeldSpring> last_of_pair(int pair) const;
 
   /// Calls visit(contact, is_a) for the contacts of a body, those first in which it is b; of fixed bodies only those in
   /// which they are a.
@@ -43,11 +43,13 @@ class ContactList {
   }
 
  private:
+  void keep_springs(Team& team);
   void count(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team);
   void sort_pairs(std::span<const WorkerBuffer> buffers, int bodies, Team& team);
   void place_contacts(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team);
 
-  std::vector<Contact> contacts_, last_contacts_;
+  std::vector<Contact> contacts_;
+  std::vector<HeldSpring> last_springs_;    // of the last step's contacts, in their order
   std::vector<Pair> pairs_, last_pairs_;    // sorted by (a, b)
   std::vector<int> first_a_, last_first_a_; // pairs of body a: [a], ..., [a + 1] - 1
   std::vector<int> first_b_, pairs_of_b_;   // pairs in which a body is b, by a

@@ -7,17 +7,17 @@ namespace trigrain {
 namespace {
 
 using Eigen::Vector3d;
-using Contacts = std::vector<Contact>;
+using Contacts = std::vector<Touch>;
 
-std::span<Contact> from(Contacts& contacts, std::size_t first) { return std::span(contacts).subspan(first); }
+std::span<Touch> from(Contacts& contacts, std::size_t first) { return std::span(contacts).subspan(first); }
 
-void set_springs(std::span<Contact> contacts) {
-  for (Contact& c : contacts) c.push = c.overlap * c.normal;
+void set_springs(std::span<Touch> contacts) {
+  for (Touch& c : contacts) c.push = c.overlap * c.normal;
 }
 
 /// Dashpots as published: each contact has the mass that the bodies have without turning.
-void set_masses_of_bodies(const Particles& p, std::span<Contact> contacts) {
-  for (Contact& c : contacts) c.mass = 1 / (p.inverse_mass[c.a] + p.inverse_mass[c.b]);
+void set_masses_of_bodies(const Particles& p, std::span<Touch> contacts) {
+  for (Touch& c : contacts) c.mass = 1 / (p.inverse_mass[c.a] + p.inverse_mass[c.b]);
 }
 
 /// Inverse of the mass that resists a force and the torque about the centre of body i (1/kg).
@@ -30,11 +30,11 @@ double inverse_mass(const Particles& p, int i, const Vector3d& force, const Vect
 /// The springs of a pair hold k s^2 / 2 with s^2 = sum share overlap^2. Along s the pair is one spring of stiffness k;
 /// dashpots for the effective mass along s give every contact the damping ratio that was asked for: one corner far from
 /// the centre of mass, an edge, or a face on all its corners.
-void set_collective_mass(const Particles& p, std::span<Contact> contacts) {
+void set_collective_mass(const Particles& p, std::span<Touch> contacts) {
   const int a = contacts.front().a, b = contacts.front().b;
   Vector3d force = Vector3d::Zero(), torque_a = force, torque_b = force;
   double s2 = 0;
-  for (const Contact& c : contacts) {
+  for (const Touch& c : contacts) {
     const Vector3d f = c.share * c.overlap * c.normal;
     s2 += c.share * c.overlap * c.overlap;
     force += f;
@@ -42,7 +42,7 @@ void set_collective_mass(const Particles& p, std::span<Contact> contacts) {
     torque_b += (c.point - p.position[b]).cross(f);
   }
   const double mass = s2 / (inverse_mass(p, a, force, torque_a) + inverse_mass(p, b, force, torque_b));
-  for (Contact& c : contacts) c.mass = mass;
+  for (Touch& c : contacts) c.mass = mass;
 }
 
 void keep_all(const Particles& p, Contacts& contacts, std::size_t first) {
@@ -50,7 +50,7 @@ void keep_all(const Particles& p, Contacts& contacts, std::size_t first) {
   set_masses_of_bodies(p, from(contacts, first));
 }
 
-bool by_features(const Contact& l, const Contact& r) {
+bool by_features(const Touch& l, const Touch& r) {
   return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
 }
 
@@ -64,13 +64,13 @@ double shortest_edge(const Particles& p, int body, int triangle) {
 /// Deepest first, leaves out what is nearer to a contact that is kept than the shortest edge of its own triangles.
 void drop_close_ones(const Particles& p, Contacts& contacts, std::size_t first) {
   std::stable_sort(contacts.begin() + first, contacts.end(),
-                   [](const Contact& l, const Contact& r) { return l.overlap > r.overlap; });
+                   [](const Touch& l, const Touch& r) { return l.overlap > r.overlap; });
   std::size_t end = first;
   for (std::size_t c = first; c < contacts.size(); ++c) {
-    const Contact contact = contacts[c];
+    const Touch contact = contacts[c];
     const double h =
         std::min(shortest_edge(p, contact.a, contact.feature_a), shortest_edge(p, contact.b, contact.feature_b));
-    const bool repeated = std::any_of(contacts.begin() + first, contacts.begin() + end, [&](const Contact& kept) {
+    const bool repeated = std::any_of(contacts.begin() + first, contacts.begin() + end, [&](const Touch& kept) {
       return (kept.point - contact.point).squaredNorm() < h * h;
     });
     if (!repeated) contacts[end++] = contact;
@@ -86,10 +86,10 @@ void keep_nearest(const Particles& p, Contacts& contacts, std::size_t first) {
   const auto piece = [&](int body, int triangle) { return p.is_sphere(body) ? 0 : p.mesh[body]->part[triangle]; };
   std::size_t end = first;
   for (std::size_t c = first; c < contacts.size(); ++c) {
-    Contact contact = contacts[c];
+    Touch contact = contacts[c];
     contact.feature_a = piece(contact.a, contact.feature_a);
     contact.feature_b = piece(contact.b, contact.feature_b);
-    const auto same = std::find_if(contacts.begin() + first, contacts.begin() + end, [&](const Contact& k) {
+    const auto same = std::find_if(contacts.begin() + first, contacts.begin() + end, [&](const Touch& k) {
       return k.feature_a == contact.feature_a && k.feature_b == contact.feature_b;
     });
     if (same == contacts.begin() + end)

@@ -13,7 +13,7 @@ struct ContactRule {
   std::string_view about;
   /// Reduces contacts[first...], all of one body pair in the order of (feature_a, feature_b), which are triangles (0
   /// for spheres), and sets their spring (`push`, `couple`, `share`) and `mass`. May find that none is left.
-  void (*reduce)(const Particles& particles, std::vector<Contact>& contacts, std::size_t first);
+  void (*reduce)(const Particles& particles, std::vector<Touch>& contacts, std::size_t first);
 };
 
 std::span<const ContactRule> contact_rules();

@@ -8,7 +8,8 @@ namespace trigrain {
 
 /// Largest step (s) at which symplectic Euler is stable with these contacts: h^2 K + 2 h C has no eigenvalue above 4 M.
 /// Springs and dashpots of all contacts together, normal and tangential; by power iteration, to a part in a thousand.
-/// Infinite without contacts. The same bits for every team.
+/// Infinite without contacts. The same bits for every team. Its memory is as large as that of the contacts, so it is
+/// not kept: few steps ask.
 class ContactStepLimit {
  public:
   double of(const Particles& particles, const ContactParameters& law, const ContactList& contacts, Team& team);
@@ -35,7 +36,6 @@ class ContactStepLimit {
   Mode stretch(double step_s, Team& team);
   Mode respond(const Particles& particles, const ContactList& contacts, Team& team);
 
-  // Scratch memory that has grown stays.
   std::vector<Coupling> couplings_;
   std::vector<Vector3d> force_; // of each coupling on its body a
   std::vector<Twist> twist_;

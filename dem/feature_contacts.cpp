@@ -120,14 +120,14 @@ struct Side {
 /// Writes contacts found in the frame of A into the world's.
 class Writer {
  public:
-  Writer(const Particles& p, const Contact& pair, std::vector<Contact>& contacts)
+  Writer(const Particles& p, const Touch& pair, std::vector<Touch>& contacts)
       : a_(pair.a), b_(pair.b), place_(p.contact_place(a_, b_)), origin_(p.position[a_]),
         turn_(p.orientation[a_].toRotationMatrix()), contacts_(contacts) {}
 
-  /// P on A, Q on B; `push` is that of Contact in the frame of A, `couple` the same but about P.
+  /// P on A, Q on B; `push` is that of Touch in the frame of A, `couple` the same but about P.
   void add(int feature_a, int feature_b, const Vector3d& p, const Vector3d& q, double reach, double share,
            const Vector3d& push, const Vector3d& couple) {
-    Contact& c = contacts_.emplace_back(Contact{.a = a_, .b = b_, .feature_a = feature_a, .feature_b = feature_b});
+    Touch& c = contacts_.emplace_back(Touch{.a = a_, .b = b_, .feature_a = feature_a, .feature_b = feature_b});
     const double distance = (p - q).norm();
     c.point = origin_ + turn_ * ((1 - place_) * p + place_ * q);
     c.normal = turn_ * ((p - q) / distance);
@@ -146,7 +146,7 @@ class Writer {
   double place_;
   Vector3d origin_;
   Eigen::Matrix3d turn_;
-  std::vector<Contact>& contacts_;
+  std::vector<Touch>& contacts_;
 };
 
 /// Names of features that neither cut nor order of the faces can change within one mesh: corners by vertex, edges
@@ -256,9 +256,9 @@ void edges_cross(int feature_a, int feature_b, const Edge& e, const Edge& f, dou
 
 } // namespace
 
-void keep_features(const Particles& particles, std::vector<Contact>& contacts, std::size_t first) {
+void keep_features(const Particles& particles, std::vector<Touch>& contacts, std::size_t first) {
   static thread_local Side a, b; // scratch memory that has grown stays
-  const Contact pair = contacts[first];
+  const Touch pair = contacts[first];
   a.mesh = particles.mesh[pair.a].get(), b.mesh = particles.mesh[pair.b].get();
   a.faces.clear(), b.faces.clear();
   for (std::size_t c = first; c < contacts.size(); ++c) {
@@ -281,10 +281,9 @@ void keep_features(const Particles& particles, std::vector<Contact>& contacts, s
     for (const Edge& f : b.edges)
       if (e.box.near(f.box, reach) && may_cross(e, f, reach))
         edges_cross(edge_name(a, e.index), edge_name(b, f.index), e, f, reach, writer);
-  std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(),
-            [](const Contact& l, const Contact& r) {
-              return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
-            });
+  std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), [](const Touch& l, const Touch& r) {
+    return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
+  });
 }
 
 } // namespace trigrain

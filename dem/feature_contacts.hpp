@@ -17,6 +17,6 @@ namespace trigrain {
 /// them and where edges are parallel, with a continuous gradient everywhere. The energy is a function of where the
 /// bodies are, it does not depend on how faces are cut, and it is at least phi(A, B): a lone contact has stiffness k, a
 /// box on a plane k at each of its corners.
-void keep_features(const Particles& particles, std::vector<Contact>& contacts, std::size_t first);
+void keep_features(const Particles& particles, std::vector<Touch>& contacts, std::size_t first);
 
 } // namespace trigrain

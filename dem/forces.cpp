@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-auto key(const Contact& c) { return std::tie(c.a, c.b, c.feature_a, c.feature_b); }
+auto key(const auto& c) { return std::tie(c.feature_a, c.feature_b); }
 
 /// Of the material point of body i that is at x (m/s).
 Vector3d velocity_at(const Particles& p, int i, const Vector3d& x) {
@@ -18,13 +18,13 @@ Vector3d velocity_at(const Particles& p, int i, const Vector3d& x) {
 
 } // namespace
 
-void carry_springs(std::span<const Contact> last, std::span<Contact> contacts) {
+void carry_springs(std::span<const HeldSpring> last, std::span<Contact> contacts) {
   auto old = last.begin();
   for (Contact& c : contacts) {
     while (old != last.end() && key(*old) < key(c)) ++old;
     if (old == last.end() || key(*old) != key(c)) continue;
     c.tangential = old->tangential;
-    c.tangential_stiffness = old->tangential_stiffness;
+    c.tangential_stiffness = old->stiffness;
   }
 }
 

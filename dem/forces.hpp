@@ -6,9 +6,9 @@
 
 namespace trigrain {
 
-/// Hands the tangential springs of the last step's contacts on to the same contacts of this step; both sorted by
-/// (a, b, feature_a, feature_b).
-void carry_springs(std::span<const Contact> last, std::span<Contact> contacts);
+/// Hands the tangential springs of a body pair's contacts in the last step on to the same contacts of this step; both
+/// sorted by (feature_a, feature_b).
+void carry_springs(std::span<const HeldSpring> last, std::span<Contact> contacts);
 
 /// Normal force max(0, spring + dashpot) of the contact law, never attractive; tangential spring and dashpot, capped at
 /// mu times the normal force. Sets `force` and `torque`, what the springs hold, and moves `tangential` on by step_s

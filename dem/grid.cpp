@@ -15,10 +15,12 @@ double diameter_of(const Particles& p, int i) { return 2 * (p.radius[i] + p.halo
 Grid::Grid(const GridKind& kind, int subdivision, const Domain& domain, const Particles& particles, double skin)
     : skin_(skin), tree_(kind, subdivision, domain, smallest_diameter(particles) + 2 * skin) {
   const int n = particles.size();
+  diameter_.reserve(n);
+  target_.reserve(n);
   for (int i = 0; i < n; ++i) {
     diameter_.push_back(diameter_of(particles, i) + 2 * skin);
     target_.push_back(tree_.level_for(diameter_[i]));
-    box_.push_back(box_of(particles, i));
+    if (particles.fixed(i)) fixed_box_[i] = box_of(particles, i);
   }
   for (int l = 0; l < levels(); ++l) {
     double widest = 0;
@@ -145,6 +147,7 @@ void Grid::rebuild_vertices() {
   for (int e = 0; e < entries(); ++e) {
     const int body = order_[e];
     if (vertex_.empty() || vertex_.back().key != body_key_[body]) {
+      if (vertex_.size() == vertex_.capacity()) vertex_.reserve(vertex_.size() + vertex_.size() / 8 + 64);
       vertex_.push_back({.key = body_key_[body], .bodies = {e, e}});
       level_vertices_[body_level_[body] + 1] = static_cast<int>(vertex_.size());
     }

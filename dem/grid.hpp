@@ -69,29 +69,29 @@ class Grid final : public PairSource {
   void rebuild_vertices();
   void find_partners(int level, int row);
   void project(const Particles& particles);
-  void project_to(const Particles& particles, int body, int level);
+  void project_to(const Particles& particles, int body, const Eigen::AlignedBox3d& box, int level);
   bool reaches(const Particles& particles, int body, int level, const Index3& index);
   Eigen::AlignedBox3d box_of(const Particles& particles, int body) const;
 
   double skin_; // m
   Spacetree tree_;
-  std::vector<double> diameter_;         // 2 (radius + halo + skin) (m)
-  std::vector<int> target_;              // finest level that a body fits on
-  std::vector<double> level_room_;       // per level: half of (cell - diameter) of the widest body there may be (m)
-  std::vector<int> body_level_;          // where it lives
-  std::vector<std::uint64_t> body_key_;  // of its vertex
-  std::vector<Eigen::Vector3d> anchor_;  // where it was when it came there: the cells above it are entered from here
-  mutable std::vector<char> wish_;       // bodies that shall drop, noted by pairs_of() for the next update
-  int above_target_ = 0, finest_ = 0;    // number of bodies; level
-  std::vector<int> order_;               // bodies sorted by (key, index)
-  SphereArray sphere_;                   // of each entry, with halo and skin
-  std::vector<int> entry_vertex_;        // vertex of each entry
-  std::vector<Vertex> vertex_;           // sorted by key
-  std::vector<int> level_vertices_;      // vertices of level l: [l], ..., [l + 1] - 1
-  std::vector<int> copies_;              // virtual copies: bodies, by vertex
-  std::vector<int> coarse_;              // bodies with occupied levels below their own
-  std::vector<Eigen::AlignedBox3d> box_; // of bodies; those that move have it while they are coarse
-  std::unordered_map<int, Reach> fixed_reach_; // per coarse body that is fixed: answers so far
+  std::vector<double> diameter_;        // 2 (radius + halo + skin) (m)
+  std::vector<int> target_;             // finest level that a body fits on
+  std::vector<double> level_room_;      // per level: half of (cell - diameter) of the widest body there may be (m)
+  std::vector<int> body_level_;         // where it lives
+  std::vector<std::uint64_t> body_key_; // of its vertex
+  std::vector<Eigen::Vector3d> anchor_; // where it was when it came there: the cells above it are entered from here
+  mutable std::vector<char> wish_;      // bodies that shall drop, noted by pairs_of() for the next update
+  int above_target_ = 0, finest_ = 0;   // number of bodies; level
+  std::vector<int> order_;              // bodies sorted by (key, index)
+  SphereArray sphere_;                  // of each entry, with halo and skin
+  std::vector<int> entry_vertex_;       // vertex of each entry
+  std::vector<Vertex> vertex_;          // sorted by key
+  std::vector<int> level_vertices_;     // vertices of level l: [l], ..., [l + 1] - 1
+  std::vector<int> copies_;             // virtual copies: bodies, by vertex
+  std::vector<int> coarse_;             // bodies with occupied levels below their own
+  std::unordered_map<int, Eigen::AlignedBox3d> fixed_box_; // of bodies that are fixed
+  std::unordered_map<int, Reach> fixed_reach_;             // per coarse body that is fixed: answers so far
   bool coarse_moves_ = false;
   std::int64_t refinements_ = 0, coarsenings_ = 0, settled_ = 0; // of the last update
   std::vector<int> changed_, merged_;                            // scratch

@@ -23,9 +23,9 @@ Eigen::AlignedBox3d Grid::box_of(const Particles& p, int i) const {
 void Grid::project(const Particles& particles) {
   projected_.clear();
   for (const int body : coarse_) {
-    if (!particles.fixed(body)) box_[body] = box_of(particles, body);
+    const Eigen::AlignedBox3d box = particles.fixed(body) ? fixed_box_.at(body) : box_of(particles, body);
     for (int level = body_level_[body] + 1; level <= finest_; ++level)
-      if (level_vertices_[level] < level_vertices_[level + 1]) project_to(particles, body, level);
+      if (level_vertices_[level] < level_vertices_[level + 1]) project_to(particles, body, box, level);
   }
   copies_.resize(projected_.size());
   for (Vertex& v : vertex_) v.copies = {0, 0};
@@ -41,9 +41,8 @@ void Grid::project(const Particles& particles) {
 
 /// A body at vertex V has its centre within h/2 of V along each axis and is no larger than h, so it lies within h of V;
 /// at the domain's border, where bodies outside count too, the box is open outwards.
-void Grid::project_to(const Particles& particles, int body, int level) {
+void Grid::project_to(const Particles& particles, int body, const Eigen::AlignedBox3d& box, int level) {
   const Spacetree::Level& l = tree_.level(level);
-  const Eigen::AlignedBox3d& box = box_[body];
   const auto nearest = [&](const Eigen::Vector3d& x) { return tree_.vertex_near(level, x); };
   // Vertices up to h away: rounding to the nearest adds half a cell, and none that it should add is lost.
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant((.5 + 1e-9) * l.cell_size);

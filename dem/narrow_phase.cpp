@@ -120,6 +120,8 @@ void finish(const Particles& particles, BodyPair pair, std::size_t first, const 
 } // namespace
 
 void WorkerBuffer::clear() {
+  const std::size_t likely = contacts.size() + contacts.size() / 8; // ahead of need: when it comes, vectors double
+  if (likely > contacts.capacity()) contacts.reserve(likely + likely / 8);
   contacts.clear();
   found.clear();
   candidate_pairs = body_pairs = crossings = 0;

@@ -45,7 +45,7 @@ struct SplitPairs {
 /// What one worker finds during a step, and its scratch memory. Written by that worker only; two of them share no cache
 /// line.
 struct alignas(128) WorkerBuffer {
-  std::vector<Contact> contacts; ///< contacts of one body pair stand together, in the order of their features
+  std::vector<Touch> contacts; ///< contacts of one body pair stand together, in the order of their features
   std::vector<FoundPair> found;
   std::int64_t candidate_pairs = 0, body_pairs = 0;
   std::int64_t crossings = 0; ///< triangle or sphere pairs found at distance 0

@@ -20,6 +20,13 @@ Eigen::Vector3d Particles::angular_velocity(int i) const {
   return q * ((q.conjugate() * angular_momentum[i]).cwiseQuotient(inertia[i]));
 }
 
+void Particles::reserve(int bodies) {
+  for (auto* column : {&position, &velocity, &angular_momentum, &inertia}) column->reserve(bodies);
+  for (auto* column : {&mass, &inverse_mass, &halo, &radius}) column->reserve(bodies);
+  orientation.reserve(bodies);
+  mesh.reserve(bodies);
+}
+
 void Particles::add(const Body& b) {
   const int n = size();
   require(b.position.allFinite() && b.orientation.coeffs().allFinite() && b.velocity.allFinite() &&

@@ -29,6 +29,7 @@ struct Particles {
   bool is_sphere(int i) const { return mesh[i] == nullptr; }
   /// World frame (rad/s); 0 for fixed bodies.
   Eigen::Vector3d angular_velocity(int i) const;
+  void reserve(int bodies);
   /// Adds a body. InputError for an open mesh that is not fixed and for values that are not finite or not positive.
   void add(const Body& body);
   /// The body with its present position and motion, as a scene would hold it.

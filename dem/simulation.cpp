@@ -41,6 +41,11 @@ const Runtime& runtime_for(const Options& options, const Scheme& scheme) {
   return row_named(runtimes(), "runtime", options.runtime);
 }
 
+void set_to_zero(Loads& loads, int bodies) {
+  loads.force.assign(bodies, Eigen::Vector3d::Zero());
+  loads.torque.assign(bodies, Eigen::Vector3d::Zero());
+}
+
 std::string number(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", x);
@@ -62,7 +67,8 @@ struct Simulation::State {
   Layers layers;
   std::vector<TaskPool> pools;
   ContactList contacts;
-  Loads loads, next_loads, outside; // next_loads: what add_load() gathered for the next step; outside: of this step
+  Loads loads, next_loads, outside; // next_loads: what add_load() gathered for the next step, empty before its first
+                                    // call; outside: of this step
   MiddleMotion motion;              // of the last kick
   std::vector<KickSums> sums;       // scratch
   Budget budget;
@@ -70,7 +76,6 @@ struct Simulation::State {
   Momentum start_momentum;
   FastContact first_fast, first_fast_body;
   std::vector<double> within; // m, see seen_within()
-  ContactStepLimit step_limit;
   std::int64_t contact_steps = 0;
   bool has_next_loads = false, pushed = false; // pushed: there was something from outside in the last step
   double time = 0;
@@ -98,14 +103,13 @@ struct Simulation::State {
     buffers.resize(team.threads());
     pools = std::vector<TaskPool>(team.threads() + 1);
     layers = layers_named(options.layers == "default" ? scheme.layers : options.layers);
-    for (Loads* l : {&loads, &next_loads, &outside}) {
-      l->force.assign(n, Eigen::Vector3d::Zero());
-      l->torque.assign(n, Eigen::Vector3d::Zero());
-    }
+    set_to_zero(loads, n);
+    scene.bodies = std::vector<Body>(); // in `particles` from now on
   }
 
   static Particles particles_of(const Scene& scene) {
     Particles particles;
+    particles.reserve(static_cast<int>(scene.bodies.size()));
     for (const Body& body : scene.bodies) particles.add(body);
     return particles;
   }
@@ -215,7 +219,7 @@ void Simulation::State::watch(StepStats& stats, const KickSums& kick) {
     first_fast = fast_contact(particles, scene.contact, *fast, time);
   }
   if (contacts.contacts().empty() || contact_steps++ % rarely != 0) return;
-  stats.unstable_steps += step.now > step_limit.of(particles, scene.contact, contacts, team);
+  stats.unstable_steps += step.now > ContactStepLimit().of(particles, scene.contact, contacts, team);
 }
 
 void Simulation::State::integrate() {
@@ -300,7 +304,7 @@ const FastContact& Simulation::first_fast_contact() const { return state_->first
 const FastContact& Simulation::first_fast_body() const { return state_->first_fast_body; }
 double Simulation::contact_step_limit() const {
   State& s = *state_;
-  return s.step_limit.of(s.particles, s.scene.contact, s.contacts, s.team);
+  return ContactStepLimit().of(s.particles, s.scene.contact, s.contacts, s.team);
 }
 
 /// FNV-1a over 8-byte words.
@@ -325,8 +329,10 @@ std::uint64_t Simulation::state_hash() const {
 }
 
 void Simulation::add_load(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) {
-  state_->next_loads.force.at(body) += force;
-  state_->next_loads.torque.at(body) += torque;
+  Loads& loads = state_->next_loads;
+  if (loads.force.empty()) set_to_zero(loads, particles().size());
+  loads.force.at(body) += force;
+  loads.torque.at(body) += torque;
   state_->has_next_loads = true;
 }
 

@@ -52,7 +52,7 @@ class Simulation {
   /// `steps` steps; seconds and counts summed.
   StepStats run(std::int64_t steps);
 
-  const Scene& scene() const;
+  const Scene& scene() const; ///< without its bodies: those are particles()
   const Options& options() const;
   const Particles& particles() const;
   const PairSource& pair_source() const;

@@ -72,6 +72,8 @@ void print_timing(const PointResult& point) {
   if (moving > 0)
     std::printf("%.3g us per particle and step, %.3g contacts per particle\n", 1e6 * sample.used.wall / steps / moving,
                 static_cast<double>(sample.stats.contacts) / steps / moving);
+  if (moving > 0 && sample.heap_bytes)
+    std::printf("%.3g bytes per particle beside the meshes\n", static_cast<double>(*sample.heap_bytes) / moving);
 }
 
 void print_summary(const BenchRequest& request, const PointResult& point) {

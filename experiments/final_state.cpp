@@ -131,8 +131,7 @@ Scene continued(Scene scene, const FinalState& state, const std::filesystem::pat
 
 Scene snapshot(const Simulation& simulation) {
   Scene scene = simulation.scene();
-  for (int i = 0; i < simulation.particles().size(); ++i)
-    if (!scene.bodies[i].fixed) scene.bodies[i] = simulation.particles().body(i);
+  for (int i = 0; i < simulation.particles().size(); ++i) scene.bodies.push_back(simulation.particles().body(i));
   return scene;
 }
 

@@ -56,6 +56,7 @@ Json sample_json(const Sample& sample) {
           {"cpu_s", sample.used.cpu},
           {"steps", sample.stats.steps},
           {"phases_s", std::move(phases)},
+          {"search_s", sample.search},
           {"load_average_1min", or_null(sample.load_average)},
           {"steal_s", or_null(sample.used.steal)},
           {"voluntary_context_switches", sample.used.voluntary_switches},

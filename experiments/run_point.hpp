@@ -16,6 +16,7 @@ namespace trigrain {
 struct Sample {
   Usage used;
   StepStats stats;
+  double search = 0;                  ///< s, see search_seconds()
   std::optional<double> load_average; ///< when it ended
   Energy initial, final;
   Momentum momentum_error;

@@ -1,4 +1,5 @@
 """What the figures of the grids share: how each kind looks, and the history of a point."""
+import statistics
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,14 @@ def history(point: Point) -> dict[str, np.ndarray]:
     """Columns of the record's history as arrays, and "steps" per row."""
     columns = {key: np.array(values) for key, values in point.record["history"].items() if key != "every"}
     return {**columns, "steps": np.full(len(columns["time_s"]), point.record["history"]["every"])}
+
+
+def finding_pairs(point: Point) -> float | None:
+    """Share of a step that the grid and the search for body pairs take; None for records that do not know."""
+    samples = point.record["samples"]
+    if any("search_s" not in sample for sample in samples):
+        return None
+    return statistics.median((s["phases_s"]["grid"] / s["steps"] + s["search_s"]) * s["steps"] / s["wall_s"] for s in samples)
 
 
 def finish(figure: Figure, sweep: Sweep, out: Path, notes: list[str], table: tuple[list[str], list[list]]) -> Drawn:

@@ -70,7 +70,7 @@ TEST(Contact, CrossingBodiesAreCountedAndGiveNoForce) {
   p.add(cube({.4, .3, .2}, .01));
   const WorkerBuffer found = contacts_of(p, "brute", "sphere", "all-pairs");
   EXPECT_GT(found.crossings, 0);
-  for (const Contact& c : found.contacts) EXPECT_TRUE(c.normal.allFinite());
+  for (const Touch& c : found.contacts) EXPECT_TRUE(c.normal.allFinite());
 }
 
 TEST(Contact, NearestKeepsOneContactPerPairOfPieces) {
@@ -87,9 +87,9 @@ TEST(Contact, NearestKeepsOneContactPerPairOfPieces) {
 /// (a, b, feature_a, feature_b, overlap) of each contact.
 using ContactSet = std::set<std::tuple<int, int, double>>;
 
-ContactSet set_of(const std::vector<Contact>& contacts) {
+ContactSet set_of(const std::vector<Touch>& contacts) {
   ContactSet set;
-  for (const Contact& c : contacts) set.insert({c.feature_a, c.feature_b, c.overlap});
+  for (const Touch& c : contacts) set.insert({c.feature_a, c.feature_b, c.overlap});
   return set;
 }
 

@@ -81,7 +81,8 @@ void Probe::place(const Vector3d& position, const Eigen::Quaterniond& orientatio
 void Probe::evaluate() {
   buffer_.clear();
   collide(particles_, {0, 1}, narrow_, buffer_);
-  contacts = buffer_.contacts;
+  contacts.clear();
+  for (const Touch& touch : buffer_.contacts) contacts.push_back(Contact{touch});
   contact_forces(particles_, law_, 0, contacts);
   Loads loads{{Vector3d::Zero(), Vector3d::Zero()}, {Vector3d::Zero(), Vector3d::Zero()}};
   for (const Contact& c : contacts)

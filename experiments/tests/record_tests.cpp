@@ -74,6 +74,8 @@ TEST(Record, numbers_come_back_bit_by_bit) {
   ASSERT_EQ(record["samples"].size(), 3u);
   EXPECT_EQ(record["samples"][1]["wall_s"].get<double>(), point.samples[1].used.wall);
   EXPECT_EQ(record["samples"][2]["phases_s"]["detect"].get<double>(), point.samples[2].stats.seconds[1]);
+  EXPECT_EQ(record["samples"][2]["search_s"].get<double>(), point.samples[2].search);
+  EXPECT_GT(point.samples[2].search, 0);
   EXPECT_EQ(record["energy_J"]["final"]["kinetic"].get<double>(), point.samples[2].final.kinetic);
   EXPECT_EQ(record["counts"]["candidate_pairs"], point.samples[0].stats.candidate_pairs);
   EXPECT_EQ(std::stoull(record["state_hash"].get<std::string>(), nullptr, 16), point.samples[0].state_hash);

@@ -70,6 +70,18 @@ def test_cost_has_slope_memory_and_comparisons_saved(made_up):
     assert [row["heap_bytes_per_body"] for row in rows(drawn)] == ["300.0", "300.0"]
 
 
+def test_share_is_of_grid_and_search_and_old_records_have_none(made_up):
+    phases = {"grid": 0.07, "detect": 3.5, "merge": 1.0, "forces": 1.03, "integrate": 1.4}
+    sample = {"wall_s": 7.0, "steps": 7, "phases_s": phases, "search_s": 0.04}  # of one step: .01 + .04 of 1 s
+    old = {key: value for key, value in sample.items() if key != "search_s"}
+    sweep(made_up, "figure_g_6", {"skin": [0, 0.1], "grid": ["regular"]}, {"scene": "hopper"}, lambda params: {
+        "counts": counts(candidate_pairs=70, contacts=7), "samples": [sample if params["skin"] == 0 else old]})
+    drawn = draw("figure_g_6", made_up)
+    assert [row["share_of_grid_and_search"] for row in rows(drawn)] == ["0.05"]
+    assert float(rows(drawn)[0]["comparison_us_per_body"]) == pytest.approx(1e6 * (0.5 - 0.04) / 10)
+    assert "5.0 % of the step, within the bar" in drawn.notes[0]
+
+
 def vtu(cells: list[tuple[list[float], list[float], int]]) -> str:
     """Cells as dem_bench writes them: (lower corner, upper corner, level)."""
     appended, tags = "", []
