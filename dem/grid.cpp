@@ -13,7 +13,8 @@ double diameter_of(const Particles& p, int i) { return 2 * (p.radius[i] + p.halo
 } // namespace
 
 Grid::Grid(const GridKind& kind, int subdivision, const Domain& domain, const Particles& particles, double skin)
-    : skin_(skin), tree_(kind, subdivision, domain, smallest_diameter(particles) + 2 * skin) {
+    : skin_(skin), tree_(kind, subdivision, domain,
+                         (kind.one_level ? widest_diameter(particles) : smallest_diameter(particles)) + 2 * skin) {
   const int n = particles.size();
   diameter_.reserve(n);
   target_.reserve(n);

@@ -12,7 +12,9 @@ constexpr int crowd = 64;
 constexpr GridKind table[] = {
     {"none", "one cell: every body meets every other", never, never},
     {"regular", "cells everywhere as fine as the smallest body allows (Krestenitis 2018)", fits, never},
-    {"regular-dense", "the same, all of its vertices stored and visited in every step, as published", fits, never,
+    {"linked-cells", "one level of cells as wide as the widest body that moves (Allen & Tildesley 1987)", fits, never,
+     true},
+    {"regular-dense", "regular, all of its vertices stored and visited in every step, as published", fits, never, false,
      true},
     {"adaptive", "cells as fine as the bodies near them allow, and gone with them (Krestenitis 2018)",
      [](const CellQuestion& q) { return fits(q) && q.bodies > 0; },

@@ -20,6 +20,7 @@ struct GridKind {
   std::string_view about;
   bool (*may_refine)(const CellQuestion&);
   bool (*may_go)(const CellQuestion&);
+  bool one_level = false;  ///< cells are as wide as the widest body that moves, for all bodies
   bool visits_all = false; ///< every vertex is stored and visited in every step, whether there are bodies or not
 };
 

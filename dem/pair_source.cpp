@@ -15,6 +15,13 @@ double smallest_diameter(const Particles& p) {
   return smallest;
 }
 
+double widest_diameter(const Particles& p) {
+  double widest = 0;
+  for (int i = 0; i < p.size(); ++i)
+    if (!p.fixed(i)) widest = std::max(widest, 2 * (p.radius[i] + p.halo[i]));
+  return widest > 0 ? widest : std::numeric_limits<double>::infinity();
+}
+
 std::unique_ptr<PairSource> make_pair_source(const PairSourceOptions& options, const Domain& domain,
                                              const Particles& particles) {
   const GridKind& kind = row_named(grid_kinds(), "grid", options.grid);

@@ -24,6 +24,7 @@ inline bool spheres_overlap(const Particles& p, BodyPair pair) {
 
 /// Of the bodies that move, 2 (radius + halo) (m); infinite if none does.
 double smallest_diameter(const Particles& particles);
+double widest_diameter(const Particles& particles);
 
 /// Where the engine gets its candidate pairs from. Whatever the source, every pair whose halos overlap is among them,
 /// and none comes twice in a step.

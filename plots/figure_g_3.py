@@ -35,7 +35,7 @@ def draw(results: Path, out: Path) -> Drawn:
                 rows += draw_slice(axis, point.params["grid"], time, cells, frame)
         for axis in axes[-1]:
             axis.set_xlabel("x (m)")
-        figure.subplots_adjust(left=0.09, right=0.98, top=0.94, bottom=0.09, wspace=0.12, hspace=0.14)
+        figure.subplots_adjust(left=0.09, right=0.98, top=0.94, bottom=0.09, wspace=0.12, hspace=0.24)
         return finish(figure, sweep, out, ["Lines are the borders of the cells that the plane z = .5 m cuts; grains are "
                                            "drawn if they are nearer to it than .03 m."], (HEADER, rows))
 

@@ -1,21 +1,21 @@
 #!/usr/bin/python3
 """Cost of the grid: time per step, its share, memory, and comparisons saved, over the number of bodies."""
 import packages  # noqa: F401, I001: before all that need them
-import math
 import statistics
 import sys
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 from matplotlib.figure import Figure
 
-from figure import STYLE, Drawn, command_line
-from grids import finish, look
+from figure import GREY, STYLE, Drawn, command_line
+from grids import finding_pairs, finish, look
 from records import Point, load_sweep
 
 NAME = "figure_g_5"
 HEADER = ["grid", "skin", "particles", "ms_per_step", "grid_and_search_us_per_body", "heap_bytes_per_body",
-          "compared_per_body", "share_of_comparisons_saved", "searches_per_step", "record"]
+          "compared_per_body", "share_of_comparisons_saved", "searches_per_step", "share_of_grid_and_search", "record"]
 PANELS = (("ms_per_step", "wall time per step (ms)"), ("grid_and_search_us_per_body", "grid and detection (us per body)"),
           ("heap_bytes_per_body", "memory beside the mesh (bytes per body)"),
           ("compared_per_body", "pairs compared per body and step"))
@@ -35,6 +35,10 @@ def draw(results: Path, out: Path) -> Drawn:
                           label=f"{grid}, skin {skin:g}", **look(grid))
             axis.set(xscale="log", yscale="log", xlabel="bodies", ylabel=label)
         if rows:
+            least = min(rows, key=lambda row: row["ms_per_step"])
+            sizes = np.array(sorted({row["particles"] for row in rows}))
+            figure.axes[0].plot(sizes, least["ms_per_step"] * sizes / least["particles"], color=GREY, linewidth=0.8,
+                                linestyle=":", label="slope 1")
             figure.axes[0].legend(fontsize=8)
         figure.subplots_adjust(left=0.08, right=0.98, top=0.93, bottom=0.13, wspace=0.2, hspace=0.22)
         return finish(figure, sweep, out, notes(rows), (HEADER, [list(row.values()) for row in rows]))
@@ -50,7 +54,17 @@ def measures(point: Point) -> list:
     heap = record["heap_bytes"]
     return [point.params["grid"], point.params["skin"], bodies, 1e3 * per_step, 1e6 * search / bodies,
             None if heap is None else heap / bodies, compared / bodies, 1 - compared / (bodies * (bodies - 1) / 2),
-            counts["searches"] / counts["steps"], point.id]
+            counts["searches"] / counts["steps"], finding_pairs(point), point.id]
+
+
+def power_law(points: list[tuple[int, float]]) -> tuple[float, float] | None:
+    """Exponent of the least-squares fit in log-log, and the largest deviation from it; None for fewer than two sizes."""
+    if len({n for n, _ in points}) < 2:
+        return None
+    logs = np.log(points)
+    slope, start = np.polyfit(logs[:, 0], logs[:, 1], 1)
+    off = np.abs(logs[:, 1] - start - slope * logs[:, 0]).max()
+    return float(slope), float(np.exp(off) - 1)
 
 
 def notes(rows: list[dict]) -> list[str]:
@@ -59,10 +73,11 @@ def notes(rows: list[dict]) -> list[str]:
     for grid, skin in dict.fromkeys((row["grid"], row["skin"]) for row in rows):
         mine = sorted((row["particles"], row["ms_per_step"]) for row in rows
                       if (row["grid"], row["skin"]) == (grid, skin))
-        (n0, t0), (n1, t1) = mine[0], mine[-1]
-        if n1 > n0:
-            slope = math.log(t1 / t0) / math.log(n1 / n0)
-            lines.append(f"{grid}, skin {skin:g}: time per step grows as bodies^{slope:.2f} from {n0} to {n1}.")
+        fit = power_law(mine)
+        if fit:
+            slope, off = fit
+            lines.append(f"{grid}, skin {skin:g}: time per step grows as bodies^{slope:.2f} from {mine[0][0]} to {mine[-1][0]}; no "
+                         f"point is farther than {100 * off:.0f} % from the fit (bar: 1.0 +- 0.1).")
     for row in rows:
         if row["particles"] == 1000 and not row["skin"]:
             lines.append(f"{row['grid']}, 1000 bodies: {100 * row['share_of_comparisons_saved']:.1f} % of the comparisons "

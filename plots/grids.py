@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from figure import COLOURS, GREY, MARKERS, Drawn, credit, save
 from records import Point, Sweep
 
-KINDS = ("regular-dense", "regular", "adaptive", "reluctant", "none")
+KINDS = ("regular-dense", "regular", "adaptive", "reluctant", "none", "linked-cells")
 
 
 def look(grid: str) -> dict:

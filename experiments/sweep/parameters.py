@@ -65,7 +65,7 @@ DEM_BENCH = Program("dem_bench", {
     "gravity": Parameter("--gravity", float, least=0),
     "kernel": Parameter("--kernel", str, ("brute", "brute-simd", "iterative", "hybrid-pair", "hybrid-batch", "sphere")),
     "precheck": Parameter("--precheck", str, ("none", "sphere", "box", "octree")),
-    "grid": Parameter("--grid", str, ("none", "regular", "regular-dense", "adaptive", "reluctant")),
+    "grid": Parameter("--grid", str, ("none", "regular", "linked-cells", "regular-dense", "adaptive", "reluctant")),
     "contact_rule": Parameter("--contact-rule", str, ("all-pairs", "dedupe", "nearest", "features")),
     "scheme": Parameter("--scheme", str, ("serial", "plain", "task")),
     "runtime": Parameter("--runtime", str, ("default", "tbb", "openmp")),

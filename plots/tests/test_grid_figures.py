@@ -51,7 +51,7 @@ def test_comparisons_are_per_body_and_step(made_up):
           lambda params: {"history": history(pairs[params["grid"]])})
     drawn = draw("figure_g_2", made_up)
     assert {row["compared_per_body"] for row in rows(drawn) if row["grid"] == "regular"} == {"100"}  # 2000 / 2 / 10
-    assert any("+2.00 orders" in note for note in drawn.notes)
+    assert any("regular 100, reluctant 1 " in note and "+2.00 orders" in note for note in drawn.notes)
 
 
 def test_steps_saved_are_against_the_fixed_step(made_up):
@@ -80,6 +80,17 @@ def test_share_is_of_grid_and_search_and_old_records_have_none(made_up):
     assert [row["share_of_grid_and_search"] for row in rows(drawn)] == ["0.05"]
     assert float(rows(drawn)[0]["comparison_us_per_body"]) == pytest.approx(1e6 * (0.5 - 0.04) / 10)
     assert "5.0 % of the step, within the bar" in drawn.notes[0]
+
+
+def test_subdivisions_are_means_over_steps(made_up):
+    sweep(made_up, "figure_g_7", {"subdivision": [2, 3]}, {"size_ratio": 20, "grid": "reluctant"}, lambda params: {
+        "counts": counts(candidate_pairs=70 * params["subdivision"], levels=7 * 5, cells=700, virtual_copies=7, refinements=14,
+                         coarsenings=21, settled_bodies=28),
+        "samples": [{"wall_s": 7e-5 * params["subdivision"], "steps": 7}]})
+    drawn = draw("figure_g_7", made_up)
+    assert [(row["k"], row["levels"], row["cells"], row["refinements_per_step"]) for row in rows(drawn)] == [
+        ("2", "5.0", "100.0", "2.0"), ("3", "5.0", "100.0", "2.0")]
+    assert "compared per body and step 2 and 3; time k = 2 : k = 3 = 0.67." in drawn.notes[0]
 
 
 def vtu(cells: list[tuple[list[float], list[float], int]]) -> str:
