@@ -1,7 +1,7 @@
 // Distances of the triangle pairs of a file, one row out per row in, with an optional check against known distances.
+#include "experiments/option_checks.hpp"
 #include "kernels/kernels.hpp"
 #include "kernels/name_table.hpp"
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -183,10 +183,14 @@ int main(int argc, char** argv) {
   app.add_option("--out", out_file, "CSV: id,distance,lower,px,py,pz,qx,qy,qz,fell_back")->required();
   app.add_flag("--check", check, "exit 1 where the distance is off by more than tolerance x S");
   app.add_option("--tolerance", tolerance, "in S = max(longest edge, largest coordinate)")->capture_default_str();
+  app.name("closest");
   try {
     app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& e) {
+    return app.exit(e);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 3;
+    std::cerr << command_line_error(app, e).what() << '\n';
+    return 3;
   }
   try {
     const Kernel& kernel = kernel_named(kernel_name, precision_name);

@@ -5,9 +5,9 @@
 #include "dem/scheme.hpp"
 #include "dem/step_size.hpp"
 #include "experiments/final_state.hpp"
+#include "experiments/option_checks.hpp"
 #include "kernels/kernels.hpp"
 #include "kernels/name_table.hpp"
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -38,15 +38,14 @@ void add_scene_options(CLI::App& app, BenchRequest& r) {
   auto* file = app.add_option("--scene-file", r.scene_file, "scene from a JSON file (experiments/schema/scene.json)");
   const auto built_in = [&](CLI::Option* option) { return option->excludes(file)->group("Built-in scene"); };
   built_in(app.add_option("--scene", r.scene, "scene by name, see --list"));
-  built_in(app.add_option("--particles", s.particles, "bodies that move"))->check(CLI::PositiveNumber);
-  built_in(app.add_option("--vertices", s.vertices, "points per granulate, 0 for spheres"))
-      ->check(CLI::NonNegativeNumber);
+  built_in(app.add_option("--particles", s.particles, "bodies that move"))->check(above_zero);
+  built_in(app.add_option("--vertices", s.vertices, "points per granulate, 0 for spheres"))->check(not_negative);
   built_in(app.add_option("--seed", s.seed, "of shapes and places"));
   built_in(app.add_option("--halo", s.halo, "relative: 5 % of the radius; published: 1 mm"));
-  built_in(app.add_option("--size-ratio", s.size_ratio, "largest over smallest diameter"))->check(CLI::PositiveNumber);
+  built_in(app.add_option("--size-ratio", s.size_ratio, "largest over smallest diameter"))->check(above_zero);
   built_in(app.add_option("--fill", s.fill, "of the gas: largest diameter over the spacing of its lattice"))
-      ->check(CLI::PositiveNumber);
-  built_in(app.add_option("--gravity", s.gravity, "of the gas, downwards (m/s2)"))->check(CLI::NonNegativeNumber);
+      ->check(above_zero);
+  built_in(app.add_option("--gravity", s.gravity, "of the gas, downwards (m/s2)"))->check(not_negative);
   app.add_option("--start-state", r.start_state, "final state of the same scene to start from");
 }
 
@@ -59,30 +58,29 @@ void add_engine_options(CLI::App& app, BenchRequest& r) {
   engine(app.add_option("--scheme", r.options.scheme));
   engine(app.add_option("--runtime", r.options.runtime));
   engine(app.add_option("--layers", r.options.layers, "what is shared out: grid, particle, triangle, joined by +"));
-  engine(app.add_option("--threads", r.options.threads))->check(CLI::PositiveNumber);
-  engine(app.add_option("--subdivision", r.options.subdivision, "a grid cell splits into k^3"))
-      ->check(CLI::PositiveNumber);
+  engine(app.add_option("--threads", r.options.threads))->check(above_zero);
+  engine(app.add_option("--subdivision", r.options.subdivision, "a grid cell splits into k^3"))->check(above_zero);
   engine(app.add_option("--skin", r.options.skin,
                         "keep the grid's pairs until a body has moved so far, in diameters of the smallest body"))
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative);
   engine(app.add_option("--step-control", r.step_control, "how the time step follows contacts; default: the scene's"));
 }
 
 void add_run_options(CLI::App& app, BenchRequest& r) {
   const auto run = [](CLI::Option* option) { return option->group("Run"); };
-  auto* steps = run(app.add_option("--steps", r.steps, "length of a sample"))->check(CLI::PositiveNumber);
+  auto* steps = run(app.add_option("--steps", r.steps, "length of a sample"))->check(above_zero);
   run(app.add_option("--end", r.end, "length of a sample in simulated seconds; default: the scene's"))
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero)
       ->excludes(steps);
-  run(app.add_option("--repeats", r.repeats, "samples, each from the same start"))->check(CLI::PositiveNumber);
-  run(app.add_option("--warmup", r.warmup, "untimed steps before each sample"))->check(CLI::NonNegativeNumber);
+  run(app.add_option("--repeats", r.repeats, "samples, each from the same start"))->check(above_zero);
+  run(app.add_option("--warmup", r.warmup, "untimed steps before each sample"))->check(not_negative);
   run(app.add_option("--check-steps", r.check_steps, "steps of the check before the timing; default: at most 20"))
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
 
   const auto output = [](CLI::Option* option) { return option->group("Output"); };
   output(app.add_option("--record", r.record, "JSON of all that was run, checked and measured"));
   output(app.add_option("--history", r.history, "add a row to the record's history for every so many steps"))
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   output(app.add_option("--point-id", r.point_id, "name of this point of a sweep"));
   output(app.add_option("--param", r.extra_params, "key=value, copied into the record's params; may be repeated"))
       ->allow_extra_args(false);
@@ -91,7 +89,7 @@ void add_run_options(CLI::App& app, BenchRequest& r) {
   auto* vtk = output(app.add_option("--vtk", r.vtk,
                                     "folder for ParaView: frames.pvd with the bodies, grid.pvd with the grid's cells"));
   output(app.add_option("--vtk-every", r.vtk_every, "simulated seconds between frames; default: first and last only"))
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero)
       ->needs(vtk);
 }
 
@@ -117,7 +115,7 @@ std::optional<BenchRequest> parse_command_line(int argc, const char* const* argv
     out << app.help();
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) + " (command line). See dem_bench --help.");
+    throw command_line_error(app, error);
   }
   for (const double seconds : {request.end.value_or(1), request.vtk_every})
     if (!std::isfinite(seconds)) throw InputError("a time is not a finite number (--end, --vtk-every). Give seconds.");

@@ -1,7 +1,7 @@
 // Holds the kernels to their bars on random triangle pairs of every kind, against exact arithmetic.
+#include "experiments/option_checks.hpp"
 #include "kernels/name_table.hpp"
 #include "kernels/proof/proof.hpp"
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
 
@@ -65,7 +65,8 @@ bool run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{
-      "Proves kernels on random triangle pairs: |d - d*| <= 1e-14 S (float 5.4e-6 S, as many epsilon) against the exact distance d*, "
+      "Proves kernels on random triangle pairs: |d - d*| <= 1e-14 S (float 5.4e-6 S, as many epsilon) against the "
+      "exact distance d*, "
       "points in their\ntriangles, |p - q| = d, lower <= d* <= upper, zero if and only if d* is, finite, the same "
       "bits at every power of\ntwo, and the contacts of brute force for every reach. S = max(longest edge, largest "
       "coordinate). Exit code 1 if not."};
@@ -73,12 +74,16 @@ int main(int argc, char** argv) {
   app.add_option("--kernel", options.kernel, names_of(kernels()) + ", or all")->capture_default_str();
   app.add_option("--precision", options.precision, "double, float, mixed or all")->capture_default_str();
   app.add_option("--lanes", options.lanes, "pairs at once; 0 for every width")->capture_default_str();
-  app.add_option("--pairs", options.pairs, "of each family")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--pairs", options.pairs, "of each family")->check(above_zero)->capture_default_str();
   app.add_option("--seed", options.seed, "0 to 4294967295; each has pairs of its own")->capture_default_str();
+  app.name("kernel_proof");
   try {
     app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& e) {
+    return app.exit(e);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 3;
+    std::cerr << command_line_error(app, e).what() << '\n';
+    return 3;
   }
   try {
     return run(options) ? 0 : 1;

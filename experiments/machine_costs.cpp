@@ -2,10 +2,10 @@
 #include "dem/runtime.hpp"
 #include "experiments/atomic_file.hpp"
 #include "experiments/machine.hpp"
+#include "experiments/option_checks.hpp"
 #include "experiments/record.hpp"
 #include "experiments/trace.hpp"
 #include "kernels/name_table.hpp"
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -171,10 +171,14 @@ int main(int argc, char** argv) {
   CLI::App app{"Measures memory bandwidth, and what tasks and shared loops cost on this machine; some seconds."};
   app.add_option("--threads", threads, "that share work")->check(CLI::Range(1, usable_cores()))->capture_default_str();
   app.add_option("--out", out, "JSON file to write; else only a summary is printed");
+  app.name("machine_costs");
   try {
     app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& e) {
+    return app.exit(e);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 3;
+    std::cerr << command_line_error(app, e).what() << '\n';
+    return 3;
   }
   try {
     if (!out.empty()) require_writable(out);

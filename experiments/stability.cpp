@@ -4,10 +4,10 @@
 #include "dem/step_size.hpp"
 #include "experiments/atomic_file.hpp"
 #include "experiments/machine.hpp"
+#include "experiments/option_checks.hpp"
 #include "experiments/record.hpp"
 #include "experiments/stability/study.hpp"
 #include "kernels/name_table.hpp"
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -45,11 +45,10 @@ Request read(int argc, char** argv, CLI::App& app) {
   app.add_option("--control", r.options.control, "of the step");
   app.add_option("--value", r.options.value, "the quantity that the study varies");
   app.add_option("--level", r.options.level, "of an icosphere that stands for a ball; -1: a sphere");
-  app.add_option("--steps-per-contact", r.options.steps_per_contact)->check(CLI::PositiveNumber);
-  app.add_option("--stiffness", r.options.stiffness, "times what the study takes by itself")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--particles", r.options.particles, "grains")->check(CLI::PositiveNumber);
-  app.add_option("--vertices", r.options.vertices, "points of a granulate; 0: spheres")->check(CLI::NonNegativeNumber);
+  app.add_option("--steps-per-contact", r.options.steps_per_contact)->check(above_zero);
+  app.add_option("--stiffness", r.options.stiffness, "times what the study takes by itself")->check(above_zero);
+  app.add_option("--particles", r.options.particles, "grains")->check(above_zero);
+  app.add_option("--vertices", r.options.vertices, "points of a granulate; 0: spheres")->check(not_negative);
   app.add_option("--seed", r.options.seed);
   app.add_option("--record", r.record, "JSON of what was run and found");
   app.add_option("--point-id", r.point_id, "name of this point of a sweep");
@@ -112,7 +111,7 @@ int run(int argc, char** argv) {
     std::cout << app.help();
     return 0;
   } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) + " (command line). See stability --help.");
+    throw command_line_error(app, error);
   }
   if (r.list) {
     list_all();

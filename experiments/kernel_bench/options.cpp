@@ -1,7 +1,7 @@
 #include "experiments/kernel_bench/options.hpp"
 #include "experiments/atomic_file.hpp"
+#include "experiments/option_checks.hpp"
 #include "kernels/name_table.hpp"
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 #include <ostream>
@@ -53,25 +53,25 @@ std::optional<BenchOptions> parse_bench_options(int argc, char** argv, std::ostr
       ->check(CLI::IsMember({"adaptive", "regular"}))
       ->capture_default_str();
   app.add_option("--steps", o.query.steps, "Newton steps")->check(CLI::Range(0, 64))->capture_default_str();
-  app.add_option("--tolerance", o.query.tolerance, "in S, of a hybrid's proof")->check(CLI::NonNegativeNumber);
-  app.add_option("--batch", o.query.batch, "pairs proven or redone together")->check(CLI::PositiveNumber);
+  app.add_option("--tolerance", o.query.tolerance, "in S, of a hybrid's proof")->check(not_negative);
+  app.add_option("--batch", o.query.batch, "pairs proven or redone together")->check(above_zero);
   app.add_option("--schedule", o.schedule, "constants of the penalty method")->capture_default_str();
-  app.add_option("--reach", o.query.reach, "contacts at most so far apart (m), of triangle pairs")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--pairs", o.pairs, "default: 10000 of triangles, 100 of meshes")->check(CLI::PositiveNumber);
+  app.add_option("--reach", o.query.reach, "contacts at most so far apart (m), of triangle pairs")->check(not_negative);
+  app.add_option("--pairs", o.pairs, "default: 10000 of triangles, 100 of meshes")->check(above_zero);
   app.add_option("--seed", o.seed, "of the pairs")->capture_default_str();
-  app.add_option("--repeats", o.repeats, "samples")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--seconds", o.seconds, "length of a sample, at least")->check(CLI::PositiveNumber);
+  app.add_option("--repeats", o.repeats, "samples")->check(above_zero)->capture_default_str();
+  app.add_option("--seconds", o.seconds, "length of a sample, at least")->check(above_zero);
   app.add_option("--record", o.record, "write the record of one contestant on one family");
   app.add_option("--point-id", o.point_id, "name of the point in the record");
   app.allow_extras();
+  app.name("kernel_bench");
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
     out << app.help();
     return {};
   } catch (const CLI::ParseError& e) {
-    throw InputError(std::string(e.what()) + " (command line). See kernel_bench --help.");
+    throw command_line_error(app, e);
   }
   if (list) {
     print_list(out);

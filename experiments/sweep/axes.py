@@ -23,7 +23,8 @@ def read_axes(program: Program, raw: Any, where: str) -> dict[str, list]:
         if isinstance(values, dict):
             values = _range(values, here)
         if not isinstance(values, list) or not values:
-            raise InputError(f"a list of values is expected, not {values!r} ({here}). Write [a, b, ...].")
+            what = "is empty" if values == [] else f"is expected, not {values!r}"
+            raise InputError(f"a list of values {what} ({here}). Write [a, b, ...].")
         axes[key] = [program.typed(key, value_here(key, value), f"{here}[{i}]") for i, value in enumerate(values)]
     return axes
 

@@ -17,6 +17,7 @@ from sweep.store import Store, load_record
 
 WORK_COUNTS = ("candidate_pairs", "body_pairs", "triangle_pairs", "newton_steps", "fall_backs")
 INSTRUCTIONS = "instructions"
+LEAST_TOLD = 5e-5  # of a count: less would read as 0.00 %
 
 
 @dataclass
@@ -148,13 +149,14 @@ def judge(name: str, before: Side, after: Side) -> Comparison:
 
 def _why(comparison: Comparison, decision: Decision) -> str:
     words = [f"CPU time {100 * decision.change:+.1f} %, p = {decision.p:.2g}, noise {100 * decision.noise:.1f} %"]
-    words += [f"{name.replace('_', ' ')} {100 * change:+.2f} %" for name, change in comparison.counts().items()]
+    words += [f"{name.replace('_', ' ')} {100 * change:+.2f} %" for name, change in comparison.counts().items()
+              if abs(change) >= LEAST_TOLD]
     words += [f"instructions not counted: {why}" for why in [comparison.before.not_counted or comparison.after.not_counted] if why]
     before, after = comparison.before.phases_s, comparison.after.phases_s
     whole = sum(before.values())
     gains = {phase: (after[phase] - before[phase]) / whole for phase in before if phase in after and whole > 0}
     if gains and decision.verdict in (SLOWER, FASTER):
-        phase = max(gains, key=lambda each: abs(gains[each]))
+        phase = (max if decision.verdict == SLOWER else min)(gains, key=gains.get)
         words.append(f"mostly in phase {phase}: {100 * gains[phase]:+.1f} % of the step")
     return "; ".join(words)
 

@@ -14,6 +14,7 @@ from sweep.spec import Spec
 from sweep.store import DISK_FULL, Store, load_record, now
 
 CHECK_FAILED_EXIT = 1
+OUT_OF_MEMORY = ("bad_alloc", "insufficient memory", "Cannot allocate memory")  # C++, Qhull, the system
 
 
 class Interrupted(Exception):
@@ -70,7 +71,7 @@ class Runner:
             os.replace(part, final)
         part.unlink(missing_ok=True)
         progress.finish(state.id, name, trouble or duration(outcome.took_s), outcome.took_s, bool(trouble))
-        return " | ".join([trouble, *outcome.output[-1:]]) if trouble else None
+        return trouble
 
     def _run_point(self, point: Point, progress: Progress) -> None:
         record, failure, took_s = self._measure(point, point.name, progress)
@@ -167,7 +168,7 @@ def set_aside_broken(statuses: list[status.PointStatus], store: Store) -> None:
 def _trouble(outcome: process.Outcome, limits: process.Limits, may_fail_check: bool = False) -> str | None:
     if outcome.timed_out:
         return f"stopped at the time limit of {duration(limits.time_s)}"
-    if any("bad_alloc" in line for line in outcome.output[-3:]):
+    if outcome.exit_code and any(words in line for words in OUT_OF_MEMORY for line in outcome.output):
         of = f" of {limits.memory_mb:g} MB" if limits.memory_mb else ""
         return f"out of memory{of}"
     if outcome.exit_code == -9:
@@ -176,4 +177,4 @@ def _trouble(outcome: process.Outcome, limits: process.Limits, may_fail_check: b
         return f"killed by signal {-outcome.exit_code}"
     if outcome.exit_code == 0 or (may_fail_check and outcome.exit_code == CHECK_FAILED_EXIT):
         return None
-    return f"exit code {outcome.exit_code}"
+    return ": ".join([f"exit code {outcome.exit_code}", *outcome.output[-1:]])

@@ -210,7 +210,10 @@ def _load(path: Path) -> dict:
         return seen
 
     try:
-        raw = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=once)
+        text = path.read_text(encoding="utf-8")
+        if not text.strip():
+            raise InputError(f"the spec is empty ({path.name}). The README has one to begin with, under \"A sweep\".")
+        raw = json.loads(text, object_pairs_hook=once)
     except OSError as error:
         raise InputError(f"cannot read the spec '{path}' ({error.strerror}). `sweep list` shows those there are.") from None
     except UnicodeDecodeError:

@@ -68,7 +68,6 @@ class Store:
         record = {"schema": RECORD_SCHEMA, "point_id": id, "status": "failed", "params": params, **failure}
         self.write_record(id, record, took_s)
 
-
     def write_index(self, index: dict[str, Any]) -> None:
         write_json(self.folder / "index.json", {"schema": INDEX_SCHEMA, **index})
 
@@ -124,8 +123,9 @@ def load_record(path: Path, id: str) -> tuple[dict | None, str | None]:
         return None, None
     except (OSError, ValueError) as error:
         return None, f"not readable as JSON: {error}"
-    if not isinstance(record, dict) or record.get("schema") != RECORD_SCHEMA:
-        return None, f"its schema is not {RECORD_SCHEMA}"
+    schema = record.get("schema") if isinstance(record, dict) else None
+    if schema != RECORD_SCHEMA:
+        return None, f"its schema is {schema!r}, and {RECORD_SCHEMA!r} is what this version reads"
     if record.get("point_id") != id:
         return None, f"its point_id is {record.get('point_id')!r}"
     added = record.get("sweep")

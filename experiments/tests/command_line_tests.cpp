@@ -35,7 +35,10 @@ TEST(CommandLine, refuses_what_makes_no_sense_and_says_what) {
       {{"--scene", "hopper", "--repeats", "0"}, "--repeats"},
       {{"--scene", "hopper", "--warmup", "-1"}, "--warmup"},
       {{"--scene", "hopper", "--vtk-every", "0.1"}, "--vtk"},
-      {{"--scene", "hopper", "--no-check"}, "--no-check"},
+      {{"--scene", "hopper", "--no-check"}, "unknown option '--no-check' (command line). See dem_bench --help."},
+      {{"--scene", "hopper", "--check-steps", "0"},
+       "--check-steps: a number above 0 is expected, not '0' (command line)"},
+      {{"--scene", "hopper", "--skin", "nan"}, "--skin: a number of 0 or more is expected, not 'nan' (command line)"},
       {{"--scene", "hopper", "stray"}, "stray"},
   };
   for (const Case& c : cases) {
@@ -126,8 +129,8 @@ TEST(CommandLine, list_names_every_row_of_every_table) {
   std::ostringstream out;
   EXPECT_FALSE(parse({"--list"}, out));
   const std::string text = out.str();
-  for (const char* title :
-       {"scenes\n", "kernels\n", "prechecks\n", "grids\n", "contact rules\n", "schemes\n", "runtimes\n", "step controls\n"})
+  for (const char* title : {"scenes\n", "kernels\n", "prechecks\n", "grids\n", "contact rules\n", "schemes\n",
+                            "runtimes\n", "step controls\n"})
     EXPECT_NE(text.find(title), std::string::npos) << title;
   for (const Kernel& kernel : kernels())
     EXPECT_NE(text.find("  " + std::string(kernel.name) + ": " + std::string(kernel.about) + "\n"), std::string::npos);

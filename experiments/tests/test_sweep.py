@@ -296,7 +296,7 @@ def test_a_start_state_that_fails_fails_its_points_only(bench):
     bench.run("run", expect=1)
     assert list(bench.states().values()) == ["failed"] * 2 + ["finished"] * 2
     reasons = [record["reason"] for record in bench.records().values() if record["status"] == "failed"]
-    assert all("its start state failed: exit code 3 | stand-in: no such thing" in reason for reason in reasons)
+    assert all("its start state failed: exit code 3: stand-in: no such thing" in reason for reason in reasons)
     assert [call.split()[1] for call in bench.calls()] == ["state", "state", "point", "point"]
 
 

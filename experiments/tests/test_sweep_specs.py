@@ -31,7 +31,7 @@ WRONG = [
     ({"axes.threads": [1, 1.5]}, "whole number is expected, not 1.5 (s.json: axes.threads[1])", True),
     ({"axes.threads": [True]}, "whole number is expected, not True (s.json: axes.threads[0])", True),
     ({"axes.threads": [0]}, "0 is too small (s.json: axes.threads[0]). The least is 1.", True),
-    ({"axes.threads": []}, "a list of values is expected, not [] (s.json: axes.threads)", True),
+    ({"axes.threads": []}, "a list of values is empty (s.json: axes.threads)", True),
     ({"axes.threads": 2}, "a list of values is expected, not 2 (s.json: axes.threads)", True),
     ({"axes.threads": [1, 2, 1]}, "1 is listed twice (s.json: axes.threads[2])", True),
     ({"fixed.threads": 1}, "'threads' is both fixed and an axis (s.json: axes.threads)", False),

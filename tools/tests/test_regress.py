@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "experiments"))
 from sweep.bench import find_bench  # noqa: E402
 from sweep.decision import FASTER, LEAST_PAIRS, SAME, SLOWER, UNSTABLE, decide  # noqa: E402
-from sweep.regression import Counted, compare_builds  # noqa: E402
+from sweep.regression import Counted, Side, compare_builds, judge  # noqa: E402
 from sweep.spec import read_spec  # noqa: E402
 
 STAND_IN = """#!/usr/bin/python3
@@ -104,6 +104,13 @@ def test_the_tool_exits_by_its_verdict(tmp_path, head, code, words):
         assert word in done.stdout, done.stdout
     suite = ElementTree.parse(tmp_path / "j.xml").getroot()
     assert suite.attrib["failures"] == str(int(code == 1)) and suite.attrib["skipped"] == str(int(code == 2))
+
+
+@pytest.mark.parametrize("factor,told", [(1.05, "slower in phase merge: +5.0 %"), (0.95, "faster in phase detect: -8.0 %")])
+def test_the_phase_that_is_named_went_the_way_of_the_whole(factor, told):
+    before = Side([1 + i * 1e-5 for i in range(30)], {"detect": 0.9, "merge": 0.1})
+    found = judge("point", before, Side([factor * s for s in before.cpu_s], {"detect": 0.82, "merge": 0.15}))
+    assert found.verdict == told.split()[0] and "mostly in phase " + told.split("phase ")[1] in found.why
 
 
 def test_both_start_from_the_state_that_the_first_computed(tmp_path):
