@@ -26,7 +26,8 @@ template <class T> [[gnu::always_inline]] inline PreparedTriangle<T> prepared(co
     t.edge2[k] = squared(t.edge[k]);
     t.inverse_edge2[k] = T(1) / max(t.edge2[k], constant<T>(std::numeric_limits<ScalarOf<T>>::min()));
   }
-  const auto longest0 = (t.edge2[0] >= t.edge2[1]) & (t.edge2[0] >= t.edge2[2]), longest1 = t.edge2[1] >= t.edge2[2];
+  const MaskOf<T> longest0 = (t.edge2[0] >= t.edge2[1]) & (t.edge2[0] >= t.edge2[2]),
+                  longest1 = t.edge2[1] >= t.edge2[2];
   const auto after_longest = [&](int k) {
     return select(longest0, t.edge[(1 + k) % 3], select(longest1, t.edge[(2 + k) % 3], t.edge[k]));
   };
