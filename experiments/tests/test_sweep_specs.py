@@ -88,7 +88,7 @@ def test_a_wrong_spec_is_refused_with_the_path_of_the_key(tmp_path, capsys, chan
 
 
 @pytest.mark.parametrize("text,message", [
-    ("{\"fixed\": {},\n}", "not JSON (s.json: line 2"), ("[]", "an object is expected"),
+    ("{\"fixed\": {},\n}", "not JSON (s.json: line 2"), ("[]", "an object is expected"), (" \n", "the spec is empty (s.json)"),
     ('{"fixed": {}, "fixed": {}}', "'fixed' is written twice"), ('{"fixed": {"steps": 1, "steps": 2}}', "'steps' is")])
 def test_a_file_that_is_no_spec_is_refused(tmp_path, text, message):
     path = tmp_path / "s.json"
