@@ -184,14 +184,7 @@ int main(int argc, char** argv) {
   app.add_flag("--check", check, "exit 1 where the distance is off by more than tolerance x S");
   app.add_option("--tolerance", tolerance, "in S = max(longest edge, largest coordinate)")->capture_default_str();
   app.name("closest");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& e) {
-    return app.exit(e);
-  } catch (const CLI::ParseError& e) {
-    std::cerr << command_line_error(app, e).what() << '\n';
-    return 3;
-  }
+  if (const auto code = exit_code_of_parsing(app, argc, argv)) return *code;
   try {
     const Kernel& kernel = kernel_named(kernel_name, precision_name);
     const std::vector<Pair> pairs = read_pairs(pair_file, check);

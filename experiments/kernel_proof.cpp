@@ -77,14 +77,7 @@ int main(int argc, char** argv) {
   app.add_option("--pairs", options.pairs, "of each family")->check(above_zero)->capture_default_str();
   app.add_option("--seed", options.seed, "0 to 4294967295; each has pairs of its own")->capture_default_str();
   app.name("kernel_proof");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& e) {
-    return app.exit(e);
-  } catch (const CLI::ParseError& e) {
-    std::cerr << command_line_error(app, e).what() << '\n';
-    return 3;
-  }
+  if (const auto code = exit_code_of_parsing(app, argc, argv)) return *code;
   try {
     return run(options) ? 0 : 1;
   } catch (const InputError& e) {

@@ -172,14 +172,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", threads, "that share work")->check(CLI::Range(1, usable_cores()))->capture_default_str();
   app.add_option("--out", out, "JSON file to write; else only a summary is printed");
   app.name("machine_costs");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& e) {
-    return app.exit(e);
-  } catch (const CLI::ParseError& e) {
-    std::cerr << command_line_error(app, e).what() << '\n';
-    return 3;
-  }
+  if (const auto code = exit_code_of_parsing(app, argc, argv)) return *code;
   try {
     if (!out.empty()) require_writable(out);
     const Json costs = measure(threads);

@@ -2,6 +2,8 @@
 #include "kernels/name_table.hpp"
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <iostream>
+#include <optional>
 #include <string>
 
 namespace trigrain {
@@ -27,6 +29,19 @@ inline InputError command_line_error(const CLI::App& app, const CLI::ParseError&
   for (const std::string& word : app.remaining())
     if (word.starts_with('-')) problem = "unknown option '" + word + "'";
   return InputError(problem + " (command line). See " + app.get_name() + " --help.");
+}
+
+/// Reads the command line; the exit code if that was all: help was asked for, or an option is wrong, which is told.
+inline std::optional<int> exit_code_of_parsing(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    std::cerr << command_line_error(app, error).what() << '\n';
+    return 3;
+  }
+  return {};
 }
 
 } // namespace trigrain

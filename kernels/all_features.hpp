@@ -13,8 +13,7 @@ template <class T> struct PreparedTriangle {
   Vec3<T> normal, to_v, to_w; ///< normal = edge[0] x edge[1], not of unit length
   T inverse_nn;               ///< of |normal|^2; 0 for a zero-area triangle
   T outside;
-  MaskOf<T> slim; ///< largest angle within 0.03 of pi: heights over the face are too inexact to choose a
-                  ///< corner by
+  MaskOf<T> slim; ///< largest angle within 0.03 of pi: heights over the face are too inexact to choose a corner by
   MaskOf<T> thin; ///< height below 1e-7 (float: 1e-4) of the edges: weights on the face have lost digits that the
                   ///< answer needs
 };

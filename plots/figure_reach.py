@@ -5,10 +5,11 @@ import sys
 from pathlib import Path
 
 import matplotlib
-from figure import STYLE, Drawn, Figure, command_line, credit, save
-from kernel_points import PRECISION_MARKERS, colour, median, nanoseconds, ran
+from figure import STYLE, Drawn, command_line, credit, save
+from kernel_points import PRECISION_MARKERS, colour, family_panels, label_outside, median, nanoseconds, ran
 from records import DRAWN, Point, load_sweep
 
+COLUMNS = 3  # of panels, at most
 NO_REACH = 1e6  # m: as good as none
 HEADER = ["family", "reach_m", "kernel", "precision", "lanes", "steps", "batch", "state", "median_ns", "min_ns", "max_ns",
           "fastest", "record"]
@@ -24,20 +25,13 @@ def draw(results: Path, out: Path) -> Drawn:
     """Reads RESULTS/figure_reach, writes OUT/figure_reach.svg, .png and .csv."""
     sweep = load_sweep(results, "figure_reach")
     drawn = sweep.drawn()
-    families = list(dict.fromkeys(point.params["family"] for point in sweep.points))
-    columns = min(len(families), 3)
-    rows = -(-len(families) // columns)
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(3.6 + 3.8 * columns, 1.2 + 3.2 * rows), layout="constrained")
-        panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).flat
-        for axes, family in zip(panels, families):
+        figure, panels = family_panels(sweep, COLUMNS, 3.6, (3.6, 1.2))
+        for family, axes in panels.items():
             _panel(axes, family, [point for point in drawn if point.params["family"] == family])
         handles = {line.get_label(): line for axes in figure.axes for line in axes.lines}
         figure.legend(handles.values(), handles.keys(), loc="upper right", fontsize=8)
-        for axes in figure.axes[-columns:]:
-            axes.set_xlabel("reach (m)")
-        for axes in figure.axes[::columns]:
-            axes.set_ylabel("CPU time per pair (ns), one thread")
+        label_outside(figure, COLUMNS, "reach (m)", "CPU time per pair (ns), one thread")
         figure.get_layout_engine().set(rect=(0, 0.06, 1 - 2.4 / figure.get_figwidth(), 0.94))
         figure.text(0.01, 0.01, credit(sweep), fontsize=7, va="bottom")
         return save(figure, Drawn("figure_reach", sweep, out, NOTES), HEADER, [_row(point, drawn) for point in sweep.points])

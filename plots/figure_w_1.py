@@ -6,10 +6,11 @@ import sys
 from pathlib import Path
 
 import matplotlib
-from figure import GREY, STYLE, Drawn, Figure, command_line, credit, save
-from kernel_points import PEERS, PRECISION_MARKERS, WALL, colour, found, median, nanoseconds, ran
+from figure import GREY, STYLE, Drawn, command_line, credit, save
+from kernel_points import PEERS, PRECISION_MARKERS, WALL, colour, family_panels, found, label_outside, median, nanoseconds, ran
 from records import DRAWN, Point, load_sweep
 
+COLUMNS = 4  # of panels, at most
 GUTTER = 10.0  # height at which pairs without a usable answer are drawn
 HEADER = ["family", "kernel", "precision", "lanes", "steps", "state", "median_ns", "min_ns", "max_ns", "error_p50_S",
           "error_p99_S", "error_max_S", "wrong_share", "wrong_unflagged_share", "fall_back_share", "peak_share",
@@ -24,21 +25,14 @@ NOTES = [
 def draw(results: Path, out: Path) -> Drawn:
     """Reads RESULTS/figure_w_1, writes OUT/figure_w_1.svg, .png and .csv."""
     sweep = load_sweep(results, "figure_w_1")
-    families = list(dict.fromkeys(point.params["family"] for point in sweep.points))
-    columns = min(len(families), 4)
-    rows = -(-len(families) // columns)
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(3.2 + 3.6 * columns, 1.6 + 3.6 * rows), layout="constrained")
-        panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).flat
-        for axes, family in zip(panels, families):
+        figure, panels = family_panels(sweep, COLUMNS, 3.6, (3.2, 1.6))
+        for family, axes in panels.items():
             _panel(axes, family, [p for p in sweep.points if p.params["family"] == family])
         foot = 0.5 / figure.get_figheight()
         figure.get_layout_engine().set(rect=(0, foot, 1 - 1.6 / figure.get_figwidth(), 1 - foot))
         _legend(figure)
-        for axes in figure.axes[-columns:]:
-            axes.set_xlabel("CPU time per triangle pair (ns), one thread", fontsize=9)
-        for axes in figure.axes[::columns]:
-            axes.set_ylabel("99th percentile of |d - d*| / S", fontsize=9)
+        label_outside(figure, COLUMNS, "CPU time per triangle pair (ns), one thread", "99th percentile of |d - d*| / S")
         figure.text(0.01, 0.01, credit(sweep), fontsize=7, va="bottom")
         return save(figure, Drawn("figure_w_1", sweep, out, NOTES), HEADER, [_row(point) for point in sweep.points])
 
