@@ -22,8 +22,14 @@ DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 class Store:
     """Where a sweep keeps what it found:
-    RESULTS/SPEC/ID.json a record, RESULTS/SPEC/index.json the state of every point, RESULTS/SPEC/frames/ID/ pictures, RESULTS/SPEC/traces/ID.json traces,
-    RESULTS/SPEC/counters/ID.json hardware counters of a point, RESULTS/SPEC/projections/ID.json what a point on one thread would take on more, RESULTS/SPEC/sweep.log a line per point that ran, RESULTS/states/ID.json start states, shared by all specs."""
+    RESULTS/SPEC/ID.json               a record
+    RESULTS/SPEC/index.json            the state of every point
+    RESULTS/SPEC/sweep.log             a line per point that ran
+    RESULTS/SPEC/frames/ID/            pictures
+    RESULTS/SPEC/traces/ID.json        traces
+    RESULTS/SPEC/counters/ID.json      hardware counters
+    RESULTS/SPEC/projections/ID.json   what a point on one thread would take on more
+    RESULTS/states/ID.json             start states, shared by all specs"""
 
     def __init__(self, results: Path, spec_name: str):
         self.folder = results / spec_name

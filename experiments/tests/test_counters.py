@@ -3,18 +3,16 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import jsonschema
 import pytest
 
-EXPERIMENTS = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(EXPERIMENTS), str(EXPERIMENTS / "tests")]
-from stand_in_likwid_perfctr import BEHAVIOUR  # noqa: E402
-from sweep import metrics  # noqa: E402
-from sweep.counters import PHASES, cpus_for  # noqa: E402
+from stand_in_likwid_perfctr import BEHAVIOUR
+from sweep import metrics
+from sweep.counters import PHASES, cpus_for
 
+EXPERIMENTS = Path(__file__).resolve().parents[1]
 BIN = Path(os.environ.get("TRIGRAIN_BIN", EXPERIMENTS.parent / "build/release/bin"))
 SPEC = {"fixed": {"scene": "hopper-dense", "particles": 27, "vertices": 10, "scheme": "plain", "steps": 5, "repeats": 1,
                   "halo": "published"}, "axes": {"threads": [1]}}

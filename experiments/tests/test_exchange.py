@@ -5,19 +5,18 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
 
+from sweep.errors import InputError
+from sweep.exchange import read_google_benchmark
+from sweep.regression import compare_benchmarks
+from sweep_bench import Bench
+
 EXPERIMENTS = Path(__file__).resolve().parents[1]
 ROOT = EXPERIMENTS.parent
-sys.path[:0] = [str(EXPERIMENTS), str(EXPERIMENTS / "tests")]
-from sweep.errors import InputError  # noqa: E402
-from sweep.exchange import read_google_benchmark  # noqa: E402
-from sweep.regression import compare_benchmarks  # noqa: E402
-from test_sweep import Bench  # noqa: E402
 
 
 @pytest.fixture(name="bench")

@@ -1,16 +1,14 @@
 """The README's example scene and spec work as printed."""
 import json
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "experiments"))
-from sweep.points import expand  # noqa: E402
-from sweep.spec import read_spec  # noqa: E402
+from sweep.points import expand
+from sweep.spec import read_spec
 
+ROOT = Path(__file__).resolve().parents[2]
 BLOCKS = [json.loads(text) for text in re.findall(r"```json\n(.*?)```", (ROOT / "README.md").read_text(), re.S)]
 SPEC, = (block for block in BLOCKS if "fixed" in block)
 SCENE, = (block for block in BLOCKS if "bodies" in block)

@@ -1,18 +1,16 @@
 """What a spec may say, and what is said about one that is wrong."""
 import json
-import sys
 from pathlib import Path
 
 import jsonschema
 import pytest
 
-EXPERIMENTS = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(EXPERIMENTS))
-from sweep.cli import main  # noqa: E402
-from sweep.errors import InputError  # noqa: E402
-from sweep.points import expand  # noqa: E402
-from sweep.spec import read_spec  # noqa: E402
+from sweep.cli import main
+from sweep.errors import InputError
+from sweep.points import expand
+from sweep.spec import read_spec
 
+EXPERIMENTS = Path(__file__).resolve().parents[1]
 SCHEMA = json.loads((EXPERIMENTS / "schema/spec.json").read_text())
 SPECS = sorted((EXPERIMENTS / "specs").glob("*.json"))
 GOOD = {"title": "t", "fixed": {"scene": "hopper", "steps": 3}, "axes": {"threads": [1, 2]}, "time_limit_s": 5,
