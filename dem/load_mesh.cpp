@@ -105,7 +105,7 @@ void check_stl(Lines& lines) {
 
 void check_obj(Lines& lines) {
   constexpr std::string_view known[] = {"vt", "vn", "vp", "o", "g", "s", "l", "p", "usemtl", "mtllib"};
-  long vertices = 0, highest = 0;
+  long vertices = 0, faces = 0, highest = 0;
   Lines at_highest = lines;
   for (const Words* words = &lines.next(); !words->empty(); words = &lines.next()) {
     if (is(*words, {"v"})) {
@@ -113,6 +113,7 @@ void check_obj(Lines& lines) {
       ++vertices;
     } else if (is(*words, {"f"})) {
       lines.require(words->size() >= 4, "'f' and at least three corners");
+      ++faces;
       for (std::size_t k = 1; k < words->size(); ++k) {
         const auto index = integer((*words)[k].substr(0, (*words)[k].find('/')));
         lines.require(index && *index != 0 && *index >= -vertices, "vertex numbers from 1 up, or from -1 back");
@@ -123,6 +124,7 @@ void check_obj(Lines& lines) {
                     "v, f, vt, vn, vp, o, g, s, l, p, usemtl or mtllib");
     }
   }
+  lines.require(faces > 0, "a face: 'f' and at least three corners");
   if (highest > vertices)
     at_highest.refuse("vertex numbers up to " + std::to_string(vertices) + ", which is how many there are");
 }

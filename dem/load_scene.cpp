@@ -1,9 +1,11 @@
 #include "dem/hertz.hpp"
 #include "dem/json_reader.hpp"
+#include "dem/mesh_defects.hpp"
 #include "dem/scene.hpp"
 #include "kernels/name_table.hpp"
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace trigrain {
 namespace {
@@ -99,6 +101,21 @@ void read_shape(const JsonReader& shape, const std::filesystem::path& folder, Kn
   body.mesh = mesh;
 }
 
+/// Refuses a mesh that cannot move: one without mass, and of those from a file one that crosses itself or does not fit
+/// into the domain.
+void check_moving(const JsonReader& shape, const Mesh& mesh, const Domain& domain) {
+  if (mesh.volume == 0)
+    shape.refuse(why_massless(mesh) + ", so it has no mass", "Close the surface or set \"fixed\": true.");
+  if (!shape.find("mesh")) return;
+  if (const auto x = self_crossing(mesh))
+    shape.refuse("the surface crosses itself at " + in_words(*x) + " m, so its mass is not known",
+                 "Unite its pieces in a modelling program or set \"fixed\": true.");
+  if (mesh.radius > domain.size)
+    shape.refuse("the mesh reaches " + std::to_string(mesh.radius) + " m from its centre and the domain is " +
+                     std::to_string(domain.size) + " m wide",
+                 "Give a scale (m per unit of the file: 0.001 for mm) or a wider domain_m.");
+}
+
 Eigen::Quaterniond read_orientation(const JsonReader& reader) {
   const std::vector<double> c = reader.numbers(4);
   const Eigen::Quaterniond q(c[0], c[1], c[2], c[3]);
@@ -111,8 +128,7 @@ Body read_body(const JsonReader& r, const std::filesystem::path& folder, KnownMe
   r.allow({"shape", "position_m", "orientation_wxyz", "velocity_m_s", "angular_velocity_rad_s", "density_kg_m3",
            "halo_m", "fixed"});
   Body body;
-  const JsonReader shape = r.at("shape");
-  read_shape(shape, folder, known, body);
+  read_shape(r.at("shape"), folder, known, body);
   if (const auto v = r.find("position_m")) body.position = v->vector();
   if (const auto v = r.find("orientation_wxyz")) body.orientation = read_orientation(*v);
   if (const auto v = r.find("velocity_m_s")) body.velocity = v->vector();
@@ -120,8 +136,6 @@ Body read_body(const JsonReader& r, const std::filesystem::path& folder, KnownMe
   if (const auto v = r.find("density_kg_m3")) body.density = v->positive();
   if (const auto v = r.find("halo_m")) body.halo = v->not_negative();
   if (const auto v = r.find("fixed")) body.fixed = v->flag();
-  if (!body.fixed && body.mesh && body.mesh->volume == 0)
-    shape.refuse("the surface is open and has no mass", "Close it or set \"fixed\": true.");
   if (body.fixed && !(body.velocity.isZero(0) && body.angular_velocity.isZero(0)))
     r.refuse("a fixed body has a velocity", "Leave out the velocity or \"fixed\".");
   return body;
@@ -184,8 +198,12 @@ Scene load_scene(const std::filesystem::path& file) {
   if (const auto v = r.find("contact")) scene.contact = read_contact(*v);
   if (const auto v = r.find("time")) scene.time = read_time(*v);
   KnownMeshes known;
-  for (const JsonReader& body : r.at("bodies").items())
-    scene.bodies.push_back(read_body(body, file.parent_path(), known));
+  std::set<const Mesh*> may_move;
+  for (const JsonReader& reader : r.at("bodies").items()) {
+    const Body& body = scene.bodies.emplace_back(read_body(reader, file.parent_path(), known));
+    if (!body.fixed && body.mesh && may_move.insert(body.mesh.get()).second)
+      check_moving(reader.at("shape"), *body.mesh, scene.domain);
+  }
   if (scene.bodies.empty()) r.at("bodies").refuse("there are no bodies", "Give at least one.");
   return scene;
 }

@@ -243,7 +243,8 @@ Scene make_gas(const SceneOptions& options) {
   for (int i = 0; i < lattice.sites; ++i) {
     // Uniform in the reciprocal: few large bodies among many small ones.
     const double diameter = largest / (1 + (options.size_ratio - 1) * random.uniform());
-    Body& body = scene.bodies.emplace_back(grain(diameter, options.vertices, lattice.site(i), random));
+    Body& body = scene.bodies.emplace_back(grain_with_room(
+        lattice.spacing / 2, [&] { return grain(diameter, options.vertices, lattice.site(i), random); }));
     for (double& v : body.velocity) v = speed * (2 * random.uniform() - 1);
     body.halo = halo_for(options, diameter / 2);
     heaviest = std::max(heaviest, density * volume(body));

@@ -2,8 +2,11 @@
 #include "dem/random.hpp"
 #include "kernels/name_table.hpp"
 #include <cmath>
+#include <cstdio>
 #include <initializer_list>
 #include <map>
+#include <memory>
+#include <new>
 #include <numbers>
 #include <utility>
 extern "C" {
@@ -43,11 +46,12 @@ void append_hexahedron(const std::array<Vector3d, 8>& corners, std::vector<Vecto
 
 /// Faces of the convex hull of the points, counter-clockwise seen from outside (Barber, Dobkin, Huhdanpaa 1996).
 std::vector<Face> convex_hull(std::vector<Vector3d>& points) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> silent(std::fopen("/dev/null", "w"), std::fclose);
   qhT qh;
-  qh_zero(&qh, stderr);
+  qh_zero(&qh, silent.get());
   char command[] = "qhull Qt"; // Qt: facets of more than three corners come as triangles
-  const int failed =
-      qh_new_qhull(&qh, 3, static_cast<int>(points.size()), points.front().data(), False, command, nullptr, stderr);
+  const int failed = qh_new_qhull(&qh, 3, static_cast<int>(points.size()), points.front().data(), False, command,
+                                  nullptr, silent.get());
   std::vector<Face> faces;
   for (facetT* facet = qh.facet_list; !failed && facet && facet->next; facet = facet->next) {
     Face& face = faces.emplace_back();
@@ -55,6 +59,9 @@ std::vector<Face> convex_hull(std::vector<Vector3d>& points) {
     if (facet->toporient == qh_ORIENTclock) std::swap(face[1], face[2]);
   }
   qh_freeqhull(&qh, qh_ALL);
+  int left_long, left_bytes;
+  qh_memfreeshort(&qh, &left_long, &left_bytes); // its pools: 128 KiB per hull
+  if (failed == qh_ERRmem) throw std::bad_alloc();
   if (failed) throw InputError("the points have no convex hull of positive volume (granulate). Take another seed.");
   return faces;
 }

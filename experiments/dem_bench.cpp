@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
@@ -115,6 +116,9 @@ int main(int argc, char** argv) {
   } catch (const trigrain::InputError& error) {
     std::cerr << "dem_bench: " << error.what() << '\n';
     return trigrain::bad_input;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "dem_bench: out of memory (std::bad_alloc). Take fewer particles, or raise the limit of memory.\n";
+    return trigrain::bad_environment;
   } catch (const std::exception& error) {
     std::cerr << "dem_bench: " << error.what() << '\n';
     return trigrain::bad_environment;

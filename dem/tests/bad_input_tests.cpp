@@ -4,6 +4,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <limits>
+#include <sstream>
 #include <unistd.h>
 
 using namespace trigrain;
@@ -158,7 +159,7 @@ TEST_F(BadInput, BodiesAreRefusedWithTheirNumberAndKey) {
       {R"({"granulate": {"diameter": 1}})", "", "Did you mean 'diameter_m'"},
       {R"({"hopper": {"width_m": 1, "height_m": 1, "opening_m": 2, "thickness_m": 1}})", "", "bodies[1].shape.hopper"},
       {R"({"hopper": {"width_m": 1, "height_m": 1, "opening_m": 1}})", "", "'thickness_m' is missing"},
-      {R"({"plane": {"size_m": 1}})", "", "bodies[1].shape). Close it or set"},
+      {R"({"plane": {"size_m": 1}})", "", "bodies[1].shape). Close the surface or set"},
       {R"({"mesh": {"file": "nowhere.stl"}})", R"("fixed": true)", "nowhere.stl; "},
       {R"({"mesh": {"file": "part.step"}})", "", "Known: .stl, .obj, .ply, .off"},
       {R"({"mesh": {"file": ""}})", "", "bodies[1].shape.mesh.file"},
@@ -234,4 +235,47 @@ TEST_F(BadInput, MeshFilesAreRefusedWithTheLine) {
   EXPECT_NO_THROW(load_mesh(folder / "fine.off"));
   for (const double scale : {0., -1., std::numeric_limits<double>::infinity()})
     expect_refused("fine.off", "scale", [scale](const auto& file) { return load_mesh(file, scale); });
+}
+
+TEST_F(BadInput, MeshesThatCannotMoveAreRefusedWithThePlace) {
+  using Points = std::vector<std::array<double, 3>>;
+  using Faces = std::vector<std::array<int, 3>>;
+  const auto off = [](const Points& points, const Faces& faces) {
+    std::ostringstream s;
+    s << "OFF\n" << points.size() << ' ' << faces.size() << " 0\n";
+    for (const auto& p : points) s << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+    for (const auto& f : faces) s << "3 " << f[0] << ' ' << f[1] << ' ' << f[2] << '\n';
+    return s.str();
+  };
+  // A tetrahedron, and a second one, moved by x.
+  const Faces four{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  Faces eight = four;
+  for (const auto& f : four) eight.push_back({f[0] + 4, f[1] + 4, f[2] + 4});
+  const auto points = [](double size, double x, double y, double z, double size2) {
+    Points p{{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
+    for (int i = 0; i < 4; ++i) p.push_back({x + p[i][0] * size2, y + p[i][1] * size2, z + p[i][2] * size2});
+    return p;
+  };
+  const auto refused = [&](const std::string& mesh, const char* expected) {
+    write("part.off", mesh);
+    write("scene.json", with_body(R"({"mesh": {"file": "part.off"}})"));
+    expect_refused("scene.json", expected, load_scene);
+  };
+  const auto accepted = [&](const std::string& mesh) {
+    write("part.off", mesh);
+    write("scene.json", with_body(R"({"mesh": {"file": "part.off"}})"));
+    EXPECT_NO_THROW(load_scene(folder / "scene.json"));
+  };
+  const Points one = points(.5, .8, 0, 0, 1);
+  refused(off(one, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}}),
+          "(0, 0.5, 0) to (0.5, 0, 0) m has a triangle on one side only, the first of 3 such edges");
+  refused(off(one, {{0, 1, 2}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}), "has two triangles that face different ways");
+  refused(off(one, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 1, 4}, {1, 0, 4}}), "belongs to 4 triangles");
+  refused(off(one, {{0, 1, 2}, {0, 2, 1}}), "encloses no volume");
+  refused(off(points(.5, .05, .05, .05, 1), eight), "crosses itself at (0.");
+  refused(off(points(500, 1000, 0, 0, 1), eight), "Give a scale (m per unit of the file: 0.001 for mm)");
+  accepted(off(one, eight));                                                              // two pieces apart
+  accepted(off(points(.5, .05, .05, .05, .5), eight));                                    // one in the other
+  accepted(off(points(.5, -.5, 0, 0, 1), eight));                                         // that touch in a corner
+  accepted(off(one, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {1, 2, 3}, {0, 0, 1}})); // face twice, without area
 }

@@ -1,9 +1,9 @@
 #include "dem/random.hpp"
 #include "dem/scene.hpp"
 #include "kernels/name_table.hpp"
+#include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <algorithm>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <unistd.h>
@@ -56,17 +56,18 @@ struct Case {
   const char* scene;
   int particles, vertices;
   const char* halo = "relative";
-  double size_ratio = 1;
+  double size_ratio = 1, fill = .5;
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
-  *out << c.scene << " with " << c.particles << " x " << c.vertices << ", halo " << c.halo << ", 1:" << c.size_ratio;
+  *out << c.scene << " with " << c.particles << " x " << c.vertices << ", halo " << c.halo << ", 1:" << c.size_ratio
+       << ", fill " << c.fill;
 }
 
 class BuiltInScene : public testing::TestWithParam<Case> {
  protected:
   const Case c = GetParam();
-  const Scene scene = make_scene(c.scene, {c.particles, c.vertices, 1, c.halo, c.size_ratio});
+  const Scene scene = make_scene(c.scene, {c.particles, c.vertices, 1, c.halo, c.size_ratio, c.fill});
 };
 
 } // namespace
@@ -129,13 +130,15 @@ TEST_P(BuiltInScene, StepIsHalfTheCriticalOneForAnyContactPoint) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, BuiltInScene,
-    testing::Values(Case{"hopper", 1000, 20}, Case{"hopper", 1000, 0}, Case{"hopper", 1, 10}, Case{"hopper", 37, 40},
-                    Case{"hopper", 10000, 0}, Case{"hopper", 1000, 20, "published"}, Case{"hopper-dense", 1000, 20},
-                    Case{"hopper-dense", 1000, 10}, Case{"hopper-dense", 2000, 0}, Case{"hopper-dense", 10000, 0},
-                    Case{"two-particles", 2, 20}, Case{"two-particles", 2, 0}, Case{"gas", 729, 20},
-                    Case{"gas", 729, 10, "relative", 20}, Case{"gas", 3000, 0}, Case{"gas", 100, 10, "published"}));
+INSTANTIATE_TEST_SUITE_P(All, BuiltInScene,
+                         testing::Values(Case{"hopper", 1000, 20}, Case{"hopper", 1000, 0}, Case{"hopper", 1, 10},
+                                         Case{"hopper", 37, 40}, Case{"hopper", 10000, 0},
+                                         Case{"hopper", 1000, 20, "published"}, Case{"hopper-dense", 1000, 20},
+                                         Case{"hopper-dense", 1000, 10}, Case{"hopper-dense", 2000, 0},
+                                         Case{"hopper-dense", 10000, 0}, Case{"two-particles", 2, 20},
+                                         Case{"two-particles", 2, 0}, Case{"gas", 729, 20},
+                                         Case{"gas", 729, 10, "relative", 20}, Case{"gas", 3000, 0},
+                                         Case{"gas", 100, 10, "published"}, Case{"gas", 729, 10, "relative", 1, .9}));
 
 TEST(Scenes, HopperHasThePublishedNumbersOfGrainsAndTheirMass) {
   for (const auto& [asked, made] : {std::pair{1000, 1000}, {10000, 10800}, {500, 500}}) {

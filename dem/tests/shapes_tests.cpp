@@ -3,6 +3,7 @@
 #include "kernels/name_table.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <numbers>
 #include <set>
 
@@ -110,6 +111,17 @@ TEST(Granulate, SameSeedSameBitsOtherSeedOtherShape) {
   EXPECT_EQ(a.faces, b.faces);
   EXPECT_EQ(a.inertia, b.inertia);
   EXPECT_NE(a.vertices, c.vertices);
+}
+
+TEST(Granulate, LeavesNoMemoryBehind) {
+  const auto in_use = [] {
+    const struct mallinfo2 now = mallinfo2();
+    return now.uordblks + now.hblkhd;
+  };
+  granulate(1, 20, 1);
+  const std::size_t before = in_use();
+  for (int seed = 0; seed < 20; ++seed) granulate(1, 20, seed);
+  EXPECT_LT(in_use(), before + 10000); // byte
 }
 
 TEST(Granulate, PointsAreThoseOfTheStandardGenerator) {

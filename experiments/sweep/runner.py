@@ -14,7 +14,7 @@ from sweep.spec import Spec
 from sweep.store import DISK_FULL, Store, load_record, now
 
 CHECK_FAILED_EXIT = 1
-OUT_OF_MEMORY = ("bad_alloc", "insufficient memory", "Cannot allocate memory")  # C++, Qhull, the system
+OUT_OF_MEMORY = ("bad_alloc", "Cannot allocate memory")  # C++, the system
 
 
 class Interrupted(Exception):
