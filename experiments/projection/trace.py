@@ -51,7 +51,9 @@ def load_trace(path: Path) -> Trace:
         by_step: dict[int, list[dict]] = {}
         for event in events:
             by_step.setdefault(event["args"]["step"], []).append(event)
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except OSError as error:
+        raise TraceError(f"cannot read the trace ({path}: {error.strerror}). Make one with dem_bench --trace.") from None
+    except (ValueError, KeyError, TypeError) as error:
         raise TraceError(f"cannot read the trace ({path}: {type(error).__name__}: {error}). Make one with dem_bench --trace.") \
             from None
     threads = max(len({event["tid"] for event in events}), about.get("params", {}).get("threads", 1))

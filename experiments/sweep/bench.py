@@ -36,7 +36,7 @@ def find_bench(program: Program, folder: Path | None, root: Path) -> Bench:
         if os.access(place / program.name, os.X_OK):
             return _describe(program, (place / program.name).resolve(), root)
     raise SweepError(f"no {program.name} (looked in {', '.join(map(str, places))}). "
-                     "Build first (cmake --preset release && cmake --build --preset release) or give --bin DIR.")
+                     "Build first (tools/build) or give --bin DIR.")
 
 
 def point_command(bench: Bench, point: Point, spec_folder: Path, outputs: list[str], start: Path | None) -> list[str]:

@@ -20,7 +20,7 @@ from sweep.runner import Interrupted, Runner, missing_states, set_aside_broken
 from sweep.spec import Spec, read_spec
 from sweep.spec_schema import spec_schema
 from sweep.status import BIGGER_MACHINE, CHECK_FAILED, FAILED, FINISHED, MISSING, NOT_AVAILABLE, PointStatus, status_of
-from sweep.store import Store
+from sweep.store import Store, write_whole
 
 ROOT = Path(__file__).resolve().parents[2]
 SPECS = ROOT / "experiments" / "specs"
@@ -164,7 +164,7 @@ def export(options: argparse.Namespace) -> int:
     if not options.out:
         sys.stdout.write(text)
         return 0
-    options.out.write_text(text, encoding="utf-8")
+    write_whole(options.out, text)
     print(options.out)
     return 0
 
@@ -179,7 +179,7 @@ def import_spec(options: argparse.Namespace) -> int:
         return 0
     if options.out.exists():
         raise InputError(f"'{options.out}' is there already (--out). Name another file.")
-    options.out.write_text(text + "\n", encoding="utf-8")
+    write_whole(options.out, text + "\n")
     print(options.out)
     return 0
 

@@ -149,17 +149,23 @@ def load_record(path: Path, id: str) -> tuple[dict | None, str | None]:
 
 
 def write_json(path: Path, value: dict) -> None:
-    """Writes the whole file or nothing. OSError if the disk is full."""
+    write_whole(path, json.dumps(value, indent=1) + "\n")
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Writes the whole file or nothing. OSError that names the file, if the disk is full."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_suffix(f".{os.getpid()}.part")
     try:
         with open(part, "w", encoding="utf-8") as file:
-            file.write(json.dumps(value, indent=1) + "\n")
+            file.write(text)
             file.flush()
             os.fsync(file.fileno())
         os.replace(part, path)
-    except BaseException:
+    except BaseException as error:
         part.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            error.filename = str(path)
         raise
 
 

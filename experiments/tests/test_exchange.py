@@ -3,7 +3,9 @@ import csv
 import io
 import json
 import os
+import resource
 import shutil
+import signal
 import subprocess
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -50,6 +52,18 @@ def test_pandas_reads_the_lines(bench):
 def test_export_writes_a_file(bench):
     bench.run("export", "--only", "threads=2", "--out", str(bench.folder / "o.csv"))
     assert len((bench.folder / "o.csv").read_text().splitlines()) == 1 + 3
+
+
+def test_an_export_that_does_not_fit_leaves_no_file(bench):
+    def limit() -> None:  # stands for a full disk
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (300, 300))
+
+    out = bench.folder / "mine.csv"
+    done = subprocess.run(bench.command("export", "--out", str(out)), capture_output=True, text=True, env=bench.environment(),
+                          check=False, preexec_fn=limit)
+    assert done.returncode == 4 and str(out) in done.stderr and "Traceback" not in done.stderr
+    assert not list(bench.folder.glob("mine*"))
 
 
 def test_what_goes_out_as_google_benchmark_comes_in_again(bench):

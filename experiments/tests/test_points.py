@@ -62,6 +62,7 @@ def test_a_preset_turns_an_axis_into_a_fixed_value_and_back(bench):
     ({"exclude": [{"threds": 2}]}, "Did you mean 'threads'?"), ({"exclude": [{}]}, "leaves out every point"),
     ({"interleave": ["kernl"]}, "unknown parameter 'kernl' (tried.json: interleave[0]). Did you mean 'kernel'?"),
     ({"axes": {"grid": ["none"], "grid-type": ["no-grid"]}}, "are the same parameter (tried.json: axes)"),
+    ({"axes": {"layers": ["grid", "grid+partcle"]}}, "(tried.json: axes.layers[1]). Did you mean 'grid+particle'?"),
     ({"program": "dem_bensch"}, "Did you mean 'dem_bench'?"), ({"memory_limit_mb": 0}, "a number above 0 MB")])
 def test_a_wrong_spec_is_refused(bench, changes, message):
     bench.write(**changes)

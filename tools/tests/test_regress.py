@@ -106,6 +106,11 @@ def test_the_tool_exits_by_its_verdict(tmp_path, head, code, words):
     assert suite.attrib["failures"] == str(int(code == 1)) and suite.attrib["skipped"] == str(int(code == 2))
 
 
+def test_a_table_that_cannot_be_written_is_told_after_it_was_printed(tmp_path):
+    done = regress(tmp_path, build(tmp_path / "a"), build(tmp_path / "b"), "--markdown", "/proc/none/r.md")
+    assert done.returncode == 4 and "| same |" in done.stdout and "(/proc/none" in done.stderr and "Traceback" not in done.stderr
+
+
 @pytest.mark.parametrize("factor,told", [(1.05, "slower in phase merge: +5.0 %"), (0.95, "faster in phase detect: -8.0 %")])
 def test_the_phase_that_is_named_went_the_way_of_the_whole(factor, told):
     before = Side([1 + i * 1e-5 for i in range(30)], {"detect": 0.9, "merge": 0.1})
