@@ -40,8 +40,9 @@ class Drawn:
 def save(figure: Figure, drawn: Drawn, header: list[str], rows: list[list]) -> Drawn:
     """Writes SVG, PNG and CSV. The same records give the same bytes."""
     drawn.folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(drawn.path("svg"), metadata={"Date": None, "Creator": None})
-    figure.savefig(drawn.path("png"), dpi=150, metadata={"Software": None})
+    with matplotlib.rc_context(STYLE):  # the salt of the SVG's names counts when it is written
+        figure.savefig(drawn.path("svg"), metadata={"Date": None, "Creator": None})
+        figure.savefig(drawn.path("png"), dpi=150, metadata={"Software": None})
     with open(drawn.path("csv"), "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)

@@ -46,6 +46,9 @@ def test_the_step_of_median_time_is_drawn_and_its_shares_add_up(draw, made_up):
         rows = list(csv.DictReader(file))
     assert {row["step"] for row in rows} == {"1"} and {row["thread"] for row in rows} == {"0", "1"}
     assert sum(float(row["length_us"]) for row in rows if row["what"] == "compare") == 250
+    drawn = {path.name: path.read_bytes() for path in (made_up.folder / "figures").iterdir()}
+    subprocess.run(["/usr/bin/python3", PLOTS / "figure_8_7.py", "--results", made_up.folder], check=True, capture_output=True)
+    assert drawn == {path.name: path.read_bytes() for path in (made_up.folder / "figures").iterdir()}, "the same records, the same bytes"
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"traceEvents": []}'])
