@@ -21,11 +21,12 @@ HEADER = ["study", "contact_rule", "law", "control", "value", "steps_per_contact
 
 @dataclass(frozen=True)
 class Line:
-    """A metric of the points of `study` that have the parameters `where`."""
+    """A metric of the points of `study` that have the parameters `where`; `style` as in matplotlib, if it is not the next one."""
     label: str
     study: str
     metric: str
     where: dict[str, Any] = field(default_factory=dict)
+    style: dict[str, Any] = field(default_factory=dict)
 
 
 def by_rule(study: str, metric: str, rules: tuple[str, ...] = RULES) -> list[Line]:
@@ -76,9 +77,9 @@ def draw_panel(axis, sweep: Sweep, panel: Panel) -> None:
         points = found(sweep, line, panel.over)
         size = (lambda y: max(panel.floor, abs(y))) if "y" in panel.log else (lambda y: y)
         known = [(x, size(y)) for x, y, _ in points if y is not None]
-        style = {"color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)], "alpha": 0.85}
-        axis.plot([x for x, _ in known], [y for _, y in known], label=line.label if points else None,
-                  markersize=7 - min(number, 4), **style)
+        style = {"color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)], "alpha": 0.85,
+                 "markersize": 7 - min(number, 4), **line.style}
+        axis.plot([x for x, _ in known], [y for _, y in known], label=line.label if points else None, **style)
         lost = [x for x, y, _ in points if y is None]
         if lost:
             axis.plot(lost, [0.97] * len(lost), linestyle="none", transform=axis.get_xaxis_transform(),

@@ -15,7 +15,8 @@ def cells(sweep) -> dict:
     """Grids (of three) whose last state differs."""
     found = {}
     for point in sweep.drawn():
-        row = f"{point.params['contact_rule']}, {point.params['value']:.0f} threads"
+        threads = round(point.params["value"])
+        row = f"{point.params['contact_rule']}, {threads} thread{'s' if threads > 1 else ''}"
         for scheme in SCHEMES:
             differ = round(point.record["metrics"][f"different_states_{scheme}"]["value"])
             found[row, scheme.replace("_", ", ")] = ("same bits", "#009E73") if differ == 0 else (f"{differ} of 3 differ", "#D55E00")

@@ -42,8 +42,8 @@ constexpr Study table[] = {
      "(4), "
      "a cube turned on another (5)",
      critical_step_study},
-    {"rebound", "restitution of an undamped impact at so many steps per contact", rebound},
-    {"rebound-explicit", "the same by explicit Euler, which the engine does not use", rebound_explicit},
+    {"rebound", "restitution of an impact that should have `value`, at so many steps per contact", rebound},
+    {"rebound-explicit", "the same undamped by explicit Euler, which the engine does not use", rebound_explicit},
     {"long-run", "energy error over `value` bounces", long_run},
     {"tunnelling", "does a ball at `value` times the response limit pass through a plate?", tunnelling},
     {"detection", "is a ball seen that moves `value` times the width of a thin plate per step?", detection},
