@@ -1,5 +1,6 @@
 #include "dem/random.hpp"
 #include "dem/scene.hpp"
+#include "dem/simulation.hpp"
 #include "kernels/name_table.hpp"
 #include <algorithm>
 #include <cmath>
@@ -156,6 +157,25 @@ TEST(Scenes, HopperHasThePublishedNumbersOfGrainsAndTheirMass) {
   EXPECT_NEAR(bounds(scene.bodies[0]).max().y() - bounds(scene.bodies[0]).min().y(), .1333, 1e-15);
   EXPECT_NEAR(bounds(scene.bodies[1]).max().y(), .375 + .04, 1e-15); // slab and rim
   EXPECT_EQ(std::ranges::max(scene.bodies[1].mesh->part), 4) << "slab and four plates, each a piece of its own";
+}
+
+TEST(Scenes, PackedBallsMayTakeTheStep) {
+  for (const int particles : {1000, 10000})
+    for (const char* halo : {"relative", "published"}) {
+      Scene scene = make_scene("hopper", {.particles = particles, .vertices = 0, .halo = halo});
+      const double touching = 2 * (scene.bodies[2].sphere_radius + scene.bodies[2].halo);
+      const double edge = .999 * touching * 2 / std::sqrt(3); // of a body-centred lattice: eight contacts each
+      for (int i = 0; i < 1000; ++i) {
+        const int cell = i / 2;
+        scene.bodies[2 + i].position = Vector3d(.5, .6, .5) + edge * (Vector3d(cell % 8, cell / 64, cell / 8 % 8) +
+                                                                      Vector3d::Constant(i % 2 * .5));
+      }
+      scene.bodies.resize(2 + 1000);
+      Simulation sim(scene, {});
+      const StepStats stats = sim.run(1); // the first step is looked at
+      EXPECT_GT(stats.contacts, 3000);
+      EXPECT_EQ(stats.unstable_steps, 0) << particles << " balls with halo " << halo;
+    }
 }
 
 TEST(Scenes, CentresOfMassStandOnTheLattice) {
