@@ -1,7 +1,10 @@
 #include "dem/feature_contacts.hpp"
+#include "kernels/lanes.hpp"
 #include "kernels/point_triangle.hpp"
 #include "kernels/segment.hpp"
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -26,6 +29,45 @@ struct Box {
     return (low.x - o.high.x <= reach) & (o.low.x - high.x <= reach) & (low.y - o.high.y <= reach) &
            (o.low.y - high.y <= reach) & (low.z - o.high.z <= reach) & (o.low.z - high.z <= reach);
   }
+};
+
+template <class T> Vec3<T> in_all_lanes(const Point& x) {
+  return {broadcast<T>(x.x), broadcast<T>(x.y), broadcast<T>(x.z)};
+}
+
+/// Pairs of points, the ends of edges or of boxes, as structure of arrays: one box is compared with many at once.
+class PointPairs {
+ public:
+  void clear() { size_ = 0; }
+  void push_back(const Point& first, const Point& second) {
+    if (size_ + lane_count > static_cast<int>(column_[0].size())) // the last pack may reach beyond
+      for (auto& column : column_) column.resize(size_ + 8 * lane_count);
+    const std::array<double, 6> x{first.x, first.y, first.z, second.x, second.y, second.z};
+    for (int k = 0; k < 6; ++k) column_[k][size_] = x[k];
+    ++size_;
+  }
+  /// Calls visit(j) for the pairs whose box is within reach of `box` (m) in every direction and for which
+  /// also(first points, second points) is true, in order.
+  template <class Also, class Visit>
+  void for_near(const Box& box, double reach, const Also& also, const Visit& visit) const {
+    const Vec3<Lanes> low = in_all_lanes<Lanes>(box.low - Point{reach, reach, reach}),
+                      high = in_all_lanes<Lanes>(box.high + Point{reach, reach, reach});
+    for (int at = 0; at < size_; at += lane_count) {
+      const Vec3<Lanes> x = points(0, at), y = points(3, at);
+      unsigned near = bits_of((min(x.x, y.x) <= high.x) & (max(x.x, y.x) >= low.x) & (min(x.y, y.y) <= high.y) &
+                              (max(x.y, y.y) >= low.y) & (min(x.z, y.z) <= high.z) & (max(x.z, y.z) >= low.z));
+      if (size_ - at < lane_count) near &= (1u << (size_ - at)) - 1;
+      if (near != 0) near &= bits_of(also(x, y));
+      for (; near != 0; near &= near - 1) visit(at + std::countr_zero(near));
+    }
+  }
+
+ private:
+  Vec3<Lanes> points(int k, int at) const {
+    return {load<Lanes>(&column_[k][at]), load<Lanes>(&column_[k + 1][at]), load<Lanes>(&column_[k + 2][at])};
+  }
+  std::array<std::vector<double>, 6> column_;
+  int size_ = 0;
 };
 
 struct Corner {
@@ -68,13 +110,14 @@ struct Side {
   std::vector<Facet> facets;
   std::vector<Corner> corners;
   std::vector<Edge> edges;
-  Box box; ///< of all facets
+  PointPairs boxes, ends; ///< of the facets, of the edges
+  Box box;                ///< of all facets
 
   /// Fills facets and box from `faces`, which are sorted here; place(vertex) is where a vertex is.
   template <class Place> void gather_facets(const Place& place) {
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-    facets.clear();
+    facets.clear(), boxes.clear();
     placed_.clear(mesh->vertices.size());
     at_.resize(std::max(at_.size(), mesh->vertices.size()));
     for (const int f : faces) {
@@ -82,6 +125,7 @@ struct Side {
       for (int k = 0; k < 3; ++k) facet.x[k] = at(mesh->faces[f][k], place);
       facet.box = {facet.x[0], facet.x[0]};
       facet.box.extend(facet.x[1]), facet.box.extend(facet.x[2]);
+      boxes.push_back(facet.box.low, facet.box.high);
       if (facets.size() == 1) box = facet.box;
       box.extend(facet.box.low), box.extend(facet.box.high);
     }
@@ -90,7 +134,7 @@ struct Side {
   /// Fills corners and edges: those of the facets that are near the other body's facets.
   template <class Place> void gather_features(const Place& place, const Box& other, double reach) {
     const ShapeFeatures& features = mesh->features;
-    corners.clear(), edges.clear();
+    corners.clear(), edges.clear(), ends.clear();
     met_corner_.clear(mesh->vertices.size()), met_edge_.clear(features.edges.size());
     for (const int f : faces) {
       for (const int v : features.corner_of[f])
@@ -102,7 +146,9 @@ struct Side {
         Edge edge{e, at(v0, place), at(v1, place), {}};
         edge.box = {edge.x0, edge.x0};
         edge.box.extend(edge.x1);
-        if (other.near(edge.box, reach)) edges.push_back(edge);
+        if (!other.near(edge.box, reach)) continue;
+        edges.push_back(edge);
+        ends.push_back(edge.x0, edge.x1);
       }
     }
   }
@@ -164,20 +210,20 @@ void corners_against(const Side& mine, const Side& other, bool mine_is_a, double
   static thread_local std::vector<Nearest> nearest;
   for (const Corner& corner : mine.corners) {
     nearest.clear();
-    const Box here{corner.x, corner.x};
-    for (const Facet& facet : other.facets) {
-      if (!here.near(facet.box, reach)) continue;
+    const auto every_one = [](const Vec3<Lanes>& low, const Vec3<Lanes>&) { return low.x == low.x; };
+    other.boxes.for_near({corner.x, corner.x}, reach, every_one, [&](int i) {
+      const Facet& facet = other.facets[i];
       const Corners<double> seen{facet.x[0] - corner.x, facet.x[1] - corner.x, facet.x[2] - corner.x};
       const Point from = closest_on_triangle_by_zones({0, 0, 0}, seen).point;
       const double d2 = squared(from);
-      if (d2 >= reach * reach) continue;
+      if (d2 >= reach * reach) return;
       const auto known =
           std::find_if(nearest.begin(), nearest.end(), [&](const Nearest& n) { return n.part == facet.part; });
       if (known == nearest.end())
         nearest.push_back({facet.part, d2, from});
       else if (d2 < known->d2)
         *known = {facet.part, d2, from};
-    }
+    });
     for (const Nearest& n : nearest) {
       if (n.d2 == 0) continue; // crossing: the kernel has counted it
       const Vector3d x = eigen(corner.x), y = x + eigen(n.from_corner);
@@ -210,11 +256,13 @@ EndOverlap end_overlap(const Point& on_a, const Point& on_b, double reach) {
   return {reach - distance, eigen(on_a), pq / distance};
 }
 
-/// Whether two edges are closest between their ends and within reach, but for rounding: without a division.
-bool may_cross(const Edge& e, const Edge& f, double reach) {
-  const Point u = e.x1 - e.x0, v = f.x1 - f.x0, r = f.x0 - e.x0, n = cross(u, v);
-  const double nn = squared(n), height = dot(r, n), s = dot(cross(r, v), n), t = dot(cross(r, u), n);
-  return (s > 0) & (s < nn) & (t > 0) & (t < nn) & (height * height < reach * reach * nn);
+/// Whether edges x0 x1 and y0 y1 are closest between their ends and within reach (m), but for rounding: without a
+/// division.
+template <class T>
+MaskOf<T> may_cross(const Vec3<T>& x0, const Vec3<T>& x1, const Vec3<T>& y0, const Vec3<T>& y1, double reach) {
+  const Vec3<T> u = x1 - x0, v = y1 - y0, r = y0 - x0, n = cross(u, v);
+  const T nn = squared(n), height = dot(r, n), s = dot(cross(r, v), n), t = dot(cross(r, u), n), none = constant<T>(0);
+  return (s > none) & (s < nn) & (t > none) & (t < nn) & (height * height < constant<T>(reach * reach) * nn);
 }
 
 /// The term X of one pair of edges, and half its negative gradient: push and couple about P.
@@ -277,10 +325,15 @@ void keep_features(const Particles& particles, std::vector<Touch>& contacts, std
   Writer writer(particles, pair, contacts);
   corners_against(a, b, true, reach, writer);
   corners_against(b, a, false, reach, writer);
-  for (const Edge& e : a.edges)
-    for (const Edge& f : b.edges)
-      if (e.box.near(f.box, reach) && may_cross(e, f, reach))
-        edges_cross(edge_name(a, e.index), edge_name(b, f.index), e, f, reach, writer);
+  for (const Edge& e : a.edges) {
+    const Vec3<Lanes> x0 = in_all_lanes<Lanes>(e.x0), x1 = in_all_lanes<Lanes>(e.x1);
+    b.ends.for_near(
+        e.box, reach, [&](const Vec3<Lanes>& y0, const Vec3<Lanes>& y1) { return may_cross(x0, x1, y0, y1, reach); },
+        [&](int i) {
+          const Edge& f = b.edges[i];
+          edges_cross(edge_name(a, e.index), edge_name(b, f.index), e, f, reach, writer);
+        });
+  }
   std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), [](const Touch& l, const Touch& r) {
     return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
   });
