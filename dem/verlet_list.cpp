@@ -1,8 +1,29 @@
 #include "dem/verlet_list.hpp"
+#include "kernels/name_table.hpp"
+#include "kernels/precheck.hpp"
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
+#include <utility>
 
 namespace trigrain {
+namespace {
+
+/// Whether the bounding sphere of a body that moves, wider by a skin (m), is apart from the triangles of one that is
+/// fixed: the bounding spheres of walls hold all grains.
+bool is_apart_from_wall(const Particles& p, BodyPair pair, double skin) {
+  static const Precheck& octree = row_named(prechecks(), "pre-check", "octree");
+  static thread_local std::vector<int> near;
+  const auto [body, wall] = p.fixed(pair.b) ? std::pair(pair.a, pair.b) : std::pair(pair.b, pair.a);
+  if (!p.fixed(wall) || p.is_sphere(wall)) return false;
+  const Mesh& mesh = *p.mesh[wall];
+  const Eigen::Vector3d x = p.orientation[wall].conjugate() * (p.position[body] - p.position[wall]);
+  octree.triangles({mesh.triangles.view(), &mesh.octree}, {x.x(), x.y(), x.z()},
+                   p.radius[body] + p.halo[body] + p.halo[wall] + skin, near);
+  return near.empty();
+}
+
+} // namespace
 
 /// Notes how far bodies have moved since the last search; has one gone too far?
 bool VerletList::note_moves(const Particles& p, Team& team) {
@@ -27,6 +48,9 @@ void VerletList::search(Block& block, int first, int count, const Particles& par
   for (int e = 0; e < count; ++e) {
     block.begin[e] = static_cast<int>(block.pairs.size());
     block.compared += source_->pairs_of(first + e, particles, Sieve::spheres, block.pairs);
+    const auto new_ones = block.pairs.begin() + block.begin[e];
+    const auto apart = [&](BodyPair pair) { return is_apart_from_wall(particles, pair, skin_); };
+    block.pairs.erase(std::remove_if(new_ones, block.pairs.end(), apart), block.pairs.end());
   }
   block.begin[count] = static_cast<int>(block.pairs.size());
 }
