@@ -52,7 +52,7 @@ namespace {
 void add_dissipation(const Contact& c, const Particles& p, const MiddleMotion& motion, double kick_s, KickSums& sums) {
   const Vector3d relative = motion.velocity[c.a] + motion.angular_velocity[c.a].cross(c.point - p.position[c.a]) -
                             motion.velocity[c.b] - motion.angular_velocity[c.b].cross(c.point - p.position[c.b]);
-  const Vector3d other = c.force - c.elastic; // dashpots and the tangential spring
+  const Vector3d other = c.force - c.elastic(); // dashpots and the tangential spring
   const double normal = -kick_s * other.dot(c.normal) * relative.dot(c.normal);
   const double tangential = -kick_s * (other - other.dot(c.normal) * c.normal).dot(relative);
   const double dissipated = tangential + c.released;
@@ -65,7 +65,7 @@ void add_wall_impulse(const Particles& p, const Contact& c, double kick_s, Budge
   if (!p.fixed(c.a) && !p.fixed(c.b)) return; // what one loses the other gets
   const double sign = p.fixed(c.b) ? kick_s : -kick_s;
   budget.impulse += sign * c.force;
-  budget.angular_impulse += sign * (c.point.cross(c.force) + c.torque);
+  budget.angular_impulse += sign * (c.point.cross(c.force) + c.torque());
 }
 
 } // namespace
@@ -76,7 +76,7 @@ void add_contacts(std::span<const Contact> contacts, const Particles& p, const M
     add_dissipation(c, p, motion, kick_s, sums);
     add_wall_impulse(p, c, kick_s, sums.budget);
     sums.released += c.released;
-    sums.held += c.tangential_stiffness / 2 * c.tangential.squaredNorm();
+    sums.held += c.held;
     sums.fast_contacts += c.fast;
   }
 }

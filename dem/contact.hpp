@@ -19,22 +19,32 @@ struct Touch {
 
 /// The same with its forces.
 struct Contact : Touch {
-  Eigen::Vector3d tangential{0, 0, 0}; ///< stretch of the tangential spring (m), kept from step to step
-  double tangential_stiffness = 0;     ///< of that spring in the last step (N/m)
-  double spring_energy = 0;            ///< of the normal and the tangential spring (J)
-  double released = 0;                 ///< what the tangential spring gave up in this step (J)
-  bool slides = false;                 ///< friction is at its limit
-  bool fast = false;                   ///< so fast that undamped springs cannot stop it before the surfaces cross
-  Eigen::Vector3d elastic{0, 0, 0};    ///< the normal spring's share of `force` (N)
-  Eigen::Vector3d force{0, 0, 0};      ///< on A (N); B gets the opposite
-  Eigen::Vector3d torque{0, 0, 0};     ///< on A beside that of the force (N m); B gets the opposite
+  double stiffness = 0;           ///< of the normal spring: its force is this times `push` (N/m)
+  double spring_energy = 0;       ///< of the normal spring (J)
+  double held = 0;                ///< by the tangential spring (J)
+  double released = 0;            ///< what the tangential spring gave up in this step (J)
+  bool slides = false;            ///< friction is at its limit
+  bool fast = false;              ///< so fast that undamped springs cannot stop it before the surfaces cross
+  Eigen::Vector3d force{0, 0, 0}; ///< on A (N); B gets the opposite
+
+  /// The normal spring's share of `force` (N).
+  Eigen::Vector3d elastic() const { return stiffness * push; }
+  /// On A beside that of the force (N m); B gets the opposite.
+  Eigen::Vector3d torque() const { return stiffness * couple; }
 };
 
-/// What a contact of the last step hands on to the same contact of this one.
+/// Sum of the contacts of a body pair, in one line of the cache: bodies gather these from all over memory.
+struct alignas(64) Reaction {
+  int a, b;
+  Eigen::Vector3d force{0, 0, 0};  ///< on A (N); B gets the opposite
+  Eigen::Vector3d torque{0, 0, 0}; ///< on A, about its centre of mass (N m)
+};
+
+/// The tangential spring of a contact, which the same contact of the next step takes over.
 struct HeldSpring {
   int feature_a, feature_b;
-  Eigen::Vector3d tangential; ///< m
-  double stiffness;           ///< N/m
+  Eigen::Vector3d stretch{0, 0, 0}; ///< m
+  double stiffness = 0;             ///< in the step before (N/m)
 };
 
 } // namespace trigrain

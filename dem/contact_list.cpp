@@ -8,11 +8,21 @@ namespace {
 
 constexpr int grain = 64; // bodies or pairs a worker takes at a time
 
-int count_up(int& counter, int by = 1) { return std::atomic_ref(counter).fetch_add(by, std::memory_order_relaxed); }
+/// Adds one to counters that the team shares; what they were.
+class CountUp {
+ public:
+  explicit CountUp(const Team& team) : alone_(team.threads() == 1) {}
+  int operator()(int& counter) const {
+    return alone_ ? counter++ : std::atomic_ref(counter).fetch_add(1, std::memory_order_relaxed);
+  }
 
-/// Resizes to `count` with an eighth of room to grow, where vectors left alone take twice of what they need.
+ private:
+  bool alone_; // then atomic additions, a tenth of a step of spheres, are not needed
+};
+
+/// Resizes to `count` with a sixteenth of room to grow, where vectors left alone take twice of what they need.
 template <class T> void resize_closely(std::vector<T>& list, std::size_t count) {
-  if (count > list.capacity()) list.reserve(count + count / 8);
+  if (count > list.capacity()) list.reserve(count + count / 16);
   list.resize(count);
 }
 
@@ -37,28 +47,19 @@ template <class Visit> void for_found(std::span<const WorkerBuffer> buffers, Tea
 } // namespace
 
 void ContactList::gather(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
-  keep_springs(team);
+  last_springs_.swap(springs_);
   last_pairs_.swap(pairs_);
   last_first_a_.swap(first_a_);
   count(buffers, particles, team);
   sort_pairs(buffers, particles.size(), team);
-  place_contacts(buffers, particles, team);
-}
-
-void ContactList::keep_springs(Team& team) {
-  resize_closely(last_springs_, contacts_.size());
-  team.parallel_for(static_cast<int>(contacts_.size()), grain, [&](int begin, int end, int) {
-    for (int i = begin; i < end; ++i) {
-      const Contact& c = contacts_[i];
-      last_springs_[i] = {c.feature_a, c.feature_b, c.tangential, c.tangential_stiffness};
-    }
-  });
+  sort_by_b(particles, team);
 }
 
 /// How many pairs each body has as a and as b. Fixed bodies feel no forces.
 void ContactList::count(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
   first_a_.assign(particles.size() + 1, 0);
   first_b_.assign(particles.size() + 1, 0);
+  const CountUp count_up(team);
   for_found(buffers, team, [&](int, const FoundPair& found) {
     count_up(first_a_[found.a + 1]);
     if (!particles.fixed(found.b)) count_up(first_b_[found.b + 1]);
@@ -66,12 +67,14 @@ void ContactList::count(std::span<const WorkerBuffer> buffers, const Particles& 
   add_up(first_a_);
   add_up(first_b_);
   resize_closely(pairs_, first_a_.back());
+  resize_closely(reactions_, first_a_.back());
   resize_closely(pairs_of_b_, first_b_.back());
 }
 
 /// Counting sort by a: where the workers put a pair among those of its a depends on who is first, sorting by b mends
-/// it. Counts the contacts of each body.
+/// it. Where contacts go follows from how many each pair has.
 void ContactList::sort_pairs(std::span<const WorkerBuffer> buffers, int bodies, Team& team) {
+  const CountUp count_up(team);
   place_.assign(first_a_.begin(), first_a_.end());
   for_found(buffers, team, [&](int worker, const FoundPair& f) {
     pairs_[count_up(place_[f.a])] = {f.a, f.b, worker, f.first, 0, f.count};
@@ -88,20 +91,20 @@ void ContactList::sort_pairs(std::span<const WorkerBuffer> buffers, int bodies, 
       place_[a + 1] = count;
     }
   });
-}
-
-/// Lays the contacts out one pair after the other, and sorts the same pairs by (b, a).
-void ContactList::place_contacts(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
   place_[0] = 0;
   add_up(place_);
   resize_closely(contacts_, place_.back());
+  resize_closely(springs_, place_.back());
+}
+
+/// The same pairs sorted by (b, a); those of a body know now where its contacts begin.
+void ContactList::sort_by_b(const Particles& particles, Team& team) {
+  const CountUp count_up(team);
   place_b_.assign(first_b_.begin(), first_b_.end());
   team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
     for (int i = begin; i < end; ++i) {
       Pair& pair = pairs_[i];
       pair.first += place_[pair.a];
-      const Touch* const found = buffers[pair.worker].contacts.data() + pair.found;
-      for (int c = 0; c < pair.count; ++c) contacts_[pair.first + c] = Contact{found[c]};
       if (!particles.fixed(pair.b)) pairs_of_b_[count_up(place_b_[pair.b])] = i;
     }
   });
@@ -109,6 +112,22 @@ void ContactList::place_contacts(std::span<const WorkerBuffer> buffers, const Pa
     for (int b = begin; b < end; ++b)
       std::sort(pairs_of_b_.begin() + first_b_[b], pairs_of_b_.begin() + first_b_[b + 1]);
   });
+}
+
+std::span<Contact> ContactList::lay_out(int i, std::span<const WorkerBuffer> buffers) {
+  const Pair& pair = pairs_[i];
+  const auto found = buffers[pair.worker].contacts.begin() + pair.found;
+  std::transform(found, found + pair.count, contacts_.begin() + pair.first, [](const Touch& t) { return Contact{t}; });
+  return std::span(contacts_).subspan(pair.first, pair.count);
+}
+
+void ContactList::fetch(int i, std::span<const WorkerBuffer> buffers, const Particles& particles) const {
+  if (i >= pairs()) return;
+  const Pair& pair = pairs_[i];
+  const auto* const found = reinterpret_cast<const char*>(buffers[pair.worker].contacts.data() + pair.found);
+  for (std::size_t byte = 0; byte < sizeof(Touch); byte += 64) __builtin_prefetch(found + byte);
+  __builtin_prefetch(&particles.position[pair.b]);
+  __builtin_prefetch(&particles.velocity[pair.b]);
 }
 
 std::span<const HeldSpring> ContactList::last_of_pair(int pair) const {

@@ -82,8 +82,8 @@ ContactStepLimit::Mode ContactStepLimit::respond(const Particles& p, const Conta
   });
 }
 
-double ContactStepLimit::of(const Particles& p, const ContactParameters& law, const ContactList& contacts, Team& team) {
-  constexpr int most_rounds = 200;
+double ContactStepLimit::of(const Particles& p, const ContactParameters& law, const ContactList& contacts, Team& team,
+                            int most_rounds) {
   couple(p, law, contacts.contacts(), team);
   twist_.resize(p.size());
   team.parallel_for(p.size(), grain, [&](int begin, int end, int) {

@@ -6,18 +6,20 @@
 
 namespace trigrain {
 
-/// Hands the tangential springs of a body pair's contacts in the last step on to the same contacts of this step; both
-/// sorted by (feature_a, feature_b).
-void carry_springs(std::span<const HeldSpring> last, std::span<Contact> contacts);
+/// The springs of a body pair's contacts: those of the same contacts in the last step, or new ones. All are sorted by
+/// (feature_a, feature_b).
+void carry_springs(std::span<const HeldSpring> last, std::span<const Contact> contacts, std::span<HeldSpring> springs);
 
 /// Normal force max(0, spring + dashpot) of the contact law, never attractive; tangential spring and dashpot, capped at
-/// mu times the normal force. Sets `force` and `torque`, what the springs hold, and moves `tangential` on by step_s
-/// (s).
-void contact_forces(const Particles& particles, const ContactParameters& law, double step_s,
-                    std::span<Contact> contacts);
+/// mu times the normal force. Sets what follows the touch in `contacts`, and moves their `springs` on by step_s (s).
+/// `spin`: angular velocity of each body (rad/s).
+void contact_forces(const Particles& particles, std::span<const Eigen::Vector3d> spin, const ContactParameters& law,
+                    double step_s, std::span<Contact> contacts, std::span<HeldSpring> springs);
 
-/// Adds the force of a contact to the loads of one of its bodies.
-void add_contact_load(const Particles& particles, const Contact& contact, bool to_a, Loads& loads);
+/// What the contacts of one body pair do to A.
+Reaction reaction_of(const Particles& particles, std::span<const Contact> contacts);
+/// Adds a reaction to the loads of one of its bodies.
+void add_reaction(const Particles& particles, const Reaction& reaction, bool to_a, Loads& loads);
 
 /// A contact that its springs cannot stop before the surfaces cross.
 struct FastContact {

@@ -33,13 +33,28 @@ void add_contact(BodyPair pair, int feature_a, int feature_b, const Vector3d& po
   buffer.contacts.push_back({pair.a, pair.b, feature_a, feature_b, point, pq / distance, buffer.reach - distance});
 }
 
-void collide_spheres(const Particles& particles, BodyPair pair, WorkerBuffer& buffer) {
-  const Vector3d ab = particles.position[pair.b] - particles.position[pair.a];
-  const double centres = ab.norm(), ra = particles.radius[pair.a], rb = particles.radius[pair.b];
-  const double gap = std::max(0., centres - ra - rb); // crossing spheres: as crossing triangles
-  const Vector3d n = centres > 0 ? (ab / centres).eval() : Vector3d::UnitX();
-  const double place = ra + particles.contact_place(pair.a, pair.b) * gap;
-  add_contact(pair, 0, 0, particles.position[pair.a] + place * n, -gap * n, buffer);
+/// Two spheres touch at one point, whatever the contact rule.
+void collide_spheres(const Particles& p, BodyPair pair, WorkerBuffer& buffer) {
+  const auto [a, b] = pair;
+  const Vector3d ab = p.position[b] - p.position[a];
+  const double centres = ab.norm(), gap = centres - p.radius[a] - p.radius[b];
+  if (gap >= buffer.reach) return;
+  if (gap <= 0) {
+    ++buffer.crossings;
+    return;
+  }
+  const Vector3d normal = -ab / centres;
+  const double overlap = buffer.reach - gap;
+  buffer.found.push_back({a, b, static_cast<int>(buffer.contacts.size()), 1});
+  buffer.contacts.push_back({.a = a,
+                             .b = b,
+                             .feature_a = 0,
+                             .feature_b = 0,
+                             .point = p.position[a] - (p.radius[a] + p.contact_place(a, b) * gap) * normal,
+                             .normal = normal,
+                             .overlap = overlap,
+                             .mass = 1 / (p.inverse_mass[a] + p.inverse_mass[b]),
+                             .push = overlap * normal});
 }
 
 /// Every triangle closer to the sphere than reach, in the frame of the mesh.
@@ -135,7 +150,9 @@ SplitPair* collide(const Particles& particles, BodyPair pair, const NarrowPhase&
   const bool sphere_a = particles.is_sphere(pair.a), sphere_b = particles.is_sphere(pair.b);
   if (sphere_a && sphere_b) {
     collide_spheres(particles, pair, buffer);
-  } else if (sphere_a || sphere_b) {
+    return nullptr;
+  }
+  if (sphere_a || sphere_b) {
     collide_sphere_mesh(particles, pair, narrow, buffer);
   } else {
     find_candidates(particles, pair, narrow, buffer);

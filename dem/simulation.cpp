@@ -67,17 +67,21 @@ struct Simulation::State {
   Layers layers;
   std::vector<TaskPool> pools;
   ContactList contacts;
-  Loads loads, next_loads, outside; // next_loads: what add_load() gathered for the next step, empty before its first
-                                    // call; outside: of this step
-  MiddleMotion motion;              // of the last kick
-  std::vector<KickSums> sums;       // scratch
+  Loads loads, next_loads,
+      outside;                // next_loads: what add_load() gathered for the next step, empty
+                              // before its first call; outside: of this step
+  MiddleMotion motion;        // of the last kick
+  std::vector<KickSums> sums; // scratch
   Budget budget;
-  double tangential_energy = 0, pending = 0; // J, of the last step's tangential springs; of the second half of its kick
+  double tangential_energy = 0,
+         pending = 0; // J, of the last step's tangential springs; of the second
+                      // half of its kick
   Momentum start_momentum;
   FastContact first_fast, first_fast_body;
   std::vector<double> within; // m, see seen_within()
   std::int64_t contact_steps = 0;
-  bool has_next_loads = false, pushed = false; // pushed: there was something from outside in the last step
+  bool has_next_loads = false,
+       pushed = false; // pushed: there was something from outside in the last step
   double time = 0;
   StepLength step; // s
 
@@ -96,7 +100,8 @@ struct Simulation::State {
     if (!(scene.time.step > 0) || scene.time.step > largest_step)
       throw InputError("the time step of " + number(scene.time.step) + " s is not between 0 and the critical step of " +
                        number(largest_step) + " s of its contacts (" + scene.name +
-                       ": time.step_s). Take a smaller step or a softer contact, or set time.force.");
+                       ": time.step_s). Take a smaller step or a softer "
+                       "contact, or set time.force.");
     step = scene.time.step;
     start_momentum = momentum_of(particles);
     within = seen_within(particles);
@@ -160,10 +165,19 @@ void Simulation::State::merge(StepStats& stats) {
 }
 
 void Simulation::State::forces(StepStats& stats) {
+  motion.resize(particles.size());
+  std::vector<Eigen::Vector3d>& spin = motion.angular_velocity; // until the loads are known
+  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
+    for (int body = begin; body < end; ++body) spin[body] = particles.angular_velocity(body);
+  });
   team.parallel_for(contacts.pairs(), grain, [&](int begin, int end, int) {
     for (int pair = begin; pair < end; ++pair) {
-      carry_springs(contacts.last_of_pair(pair), contacts.of_pair(pair));
-      contact_forces(particles, scene.contact, step.now, contacts.of_pair(pair));
+      contacts.fetch(pair + 6, buffers, particles);
+      const std::span<Contact> own = contacts.lay_out(pair, buffers);
+      const std::span<HeldSpring> springs = contacts.springs_of(pair);
+      carry_springs(contacts.last_of_pair(pair), own, springs);
+      contact_forces(particles, spin, scene.contact, step.now, own, springs);
+      contacts.set_reaction(pair, reaction_of(particles, own));
     }
   });
   pushed = has_next_loads;
@@ -172,7 +186,6 @@ void Simulation::State::forces(StepStats& stats) {
     outside = loads;
   }
   Loads& old = has_next_loads ? next_loads : loads; // what was added from outside stays
-  motion.resize(particles.size());
   KickSums kick = block_sum(team, particles.size(), sums, [&](int begin, int end, KickSums& sum) {
     for (int body = begin; body < end; ++body) {
       add_loads_of(body, old);
@@ -195,7 +208,7 @@ void Simulation::State::forces(StepStats& stats) {
 void Simulation::State::add_loads_of(int body, Loads& old) {
   old.force[body] = old.torque[body] = Eigen::Vector3d::Zero();
   if (!particles.fixed(body))
-    contacts.for_body(body, [&](const Contact& c, bool is_a) { add_contact_load(particles, c, is_a, loads); });
+    contacts.for_reactions(body, [&](const Reaction& r, bool is_a) { add_reaction(particles, r, is_a, loads); });
 }
 
 /// Books what the kick to come dissipates, and its impulse.
@@ -206,10 +219,12 @@ void Simulation::State::settle_budget(const KickSums& kick) {
   pending = kick.pending;
 }
 
-/// Looks for bodies that may fly past a contact between two steps, for contacts that will not be stopped, and now and
-/// then for a step that is too long for the contacts.
+/// Looks for bodies that may fly past a contact between two steps, for contacts
+/// that will not be stopped, and now and then for a step that is too long for
+/// the contacts.
 void Simulation::State::watch(StepStats& stats, const KickSums& kick) {
-  constexpr int rarely = 256; // steps: costs as much as tens of steps' forces
+  constexpr int rarely = 256,
+                rounds = 30; // steps; a round costs about as much as the forces of a step
   stats.fast_bodies += kick.fast_bodies;
   for (int i = 0; kick.fast_bodies > 0 && first_fast_body.a < 0; ++i)
     if (flies_blind(i)) first_fast_body = {time, i, -1, fastest_point(particles, i), within[i] / blind_step()};
@@ -219,7 +234,7 @@ void Simulation::State::watch(StepStats& stats, const KickSums& kick) {
     first_fast = fast_contact(particles, scene.contact, *fast, time);
   }
   if (contacts.contacts().empty() || contact_steps++ % rarely != 0) return;
-  stats.unstable_steps += step.now > ContactStepLimit().of(particles, scene.contact, contacts, team);
+  stats.unstable_steps += step.now > ContactStepLimit().of(particles, scene.contact, contacts, team, rounds);
 }
 
 void Simulation::State::integrate() {

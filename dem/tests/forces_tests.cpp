@@ -40,6 +40,12 @@ void press(const Particles& p, std::vector<Contact>& contacts) {
   for (std::size_t i = 0; i < contacts.size(); ++i) static_cast<Touch&>(contacts[i]) = touches[i];
 }
 
+std::vector<Vector3d> spins_of(const Particles& p) {
+  std::vector<Vector3d> spins;
+  for (int i = 0; i < p.size(); ++i) spins.push_back(p.angular_velocity(i));
+  return spins;
+}
+
 /// Restitution of the clipped spring-dashpot (Schwager & Poeschel 2007).
 double restitution(double zeta) {
   const double w = std::sqrt(1 - zeta * zeta);
@@ -114,7 +120,8 @@ TEST(Forces, TheDashpotNeverPulls) {
   }
   std::vector<Contact> contacts{{0, 1, 0, 0, {0, .50025, 0}, {0, -1, 0}, 5e-4}};
   press(p, contacts);
-  contact_forces(p, {}, 1e-5, contacts);
+  std::vector<HeldSpring> springs(1);
+  contact_forces(p, spins_of(p), {}, 1e-5, contacts, springs);
   EXPECT_EQ(contacts[0].force, Vector3d::Zero());
 }
 
@@ -130,12 +137,11 @@ TEST(Forces, BothBodiesGetOppositeForceAndTheirTorquesAndItAddsUpToNothing) {
   }
   const Vector3d n = (p.position[0] - p.position[1]).normalized();
   std::vector<Contact> contacts{{0, 1, 0, 0, {.2, .45, .1}, n, .2}};
-  contacts[0].tangential = {1e-5, 0, 2e-5};
   press(p, contacts);
-  contact_forces(p, {}, 1e-5, contacts);
+  std::vector<HeldSpring> springs{{0, 0, {1e-5, 0, 2e-5}, 1e4}};
+  contact_forces(p, spins_of(p), {}, 1e-5, contacts, springs);
   Loads loads{{Vector3d::Zero(), Vector3d::Zero()}, {Vector3d::Zero(), Vector3d::Zero()}};
-  for (const Contact& c : contacts)
-    for (const bool to_a : {true, false}) add_contact_load(p, c, to_a, loads);
+  for (const bool to_a : {true, false}) add_reaction(p, reaction_of(p, contacts), to_a, loads);
   EXPECT_GT(contacts[0].force.norm(), 0);
   EXPECT_GT(loads.torque[0].norm(), 0);
   EXPECT_GT(loads.torque[1].norm(), 0);
@@ -158,7 +164,8 @@ TEST(Forces, FrictionIsCappedByCoulombsLaw) {
   const ContactParameters law{.stiffness = 1e3, .friction = .4};
   std::vector<Contact> contacts{{0, 1, 0, 0, {0, .5, 0}, {0, -1, 0}, 1e-3}};
   press(p, contacts);
-  contact_forces(p, law, 1e-3, contacts);
+  std::vector<HeldSpring> springs(1);
+  contact_forces(p, spins_of(p), law, 1e-3, contacts, springs);
   const double normal = contacts[0].force.dot(contacts[0].normal);
   const double tangential = (contacts[0].force - normal * contacts[0].normal).norm();
   EXPECT_NEAR(tangential, .4 * normal, 1e-12);
@@ -167,11 +174,12 @@ TEST(Forces, FrictionIsCappedByCoulombsLaw) {
 
 TEST(Forces, SpringsAreCarriedToTheSameContactOnly) {
   const std::vector<HeldSpring> last{{0, 5, {9, 9, 9}, 1}, {3, 4, {1, 2, 3}, 1}};
-  std::vector<Contact> now{{1, 2, 3, 3}, {1, 2, 3, 4}, {1, 2, 4, 4}};
-  carry_springs(last, now);
-  EXPECT_EQ(now[0].tangential, Vector3d::Zero());
-  EXPECT_EQ(now[1].tangential, Vector3d(1, 2, 3));
-  EXPECT_EQ(now[2].tangential, Vector3d::Zero());
+  const std::vector<Contact> contacts{{1, 2, 3, 3}, {1, 2, 3, 4}, {1, 2, 4, 4}};
+  std::vector<HeldSpring> now(3);
+  carry_springs(last, contacts, now);
+  EXPECT_EQ(now[0].stretch, Vector3d::Zero());
+  EXPECT_EQ(now[1].stretch, Vector3d(1, 2, 3));
+  EXPECT_EQ(now[2].stretch, Vector3d::Zero());
 }
 
 } // namespace

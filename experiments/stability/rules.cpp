@@ -174,7 +174,7 @@ std::vector<Metric> face_rest(const StudyRequest& request) {
     Vector3d force = Vector3d::Zero(), about_centre = force, point = force;
     double pressed = 0;
     for (const Contact& c : sim.contacts()) {
-      force -= c.force, about_centre -= (c.point - p.position[1]).cross(c.force) + c.torque;
+      force -= c.force, about_centre -= (c.point - p.position[1]).cross(c.force) + c.torque();
       pressed += c.force.norm(), point += c.force.norm() * c.point;
     }
     if (pressed > 0) point /= pressed;

@@ -3,6 +3,7 @@
 #include "dem/hertz.hpp"
 #include "kernels/name_table.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -83,10 +84,11 @@ void Probe::evaluate() {
   collide(particles_, {0, 1}, narrow_, buffer_);
   contacts.clear();
   for (const Touch& touch : buffer_.contacts) contacts.push_back(Contact{touch});
-  contact_forces(particles_, law_, 0, contacts);
+  const std::array spins{particles_.angular_velocity(0), particles_.angular_velocity(1)};
+  std::vector<HeldSpring> springs(contacts.size());
+  contact_forces(particles_, spins, law_, 0, contacts, springs);
   Loads loads{{Vector3d::Zero(), Vector3d::Zero()}, {Vector3d::Zero(), Vector3d::Zero()}};
-  for (const Contact& c : contacts)
-    for (const bool to_a : {true, false}) add_contact_load(particles_, c, to_a, loads);
+  if (!contacts.empty()) add_reaction(particles_, reaction_of(particles_, contacts), false, loads);
   force = loads.force[1];
   torque = loads.torque[1];
   energy = elastic_energy(contacts);
