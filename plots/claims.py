@@ -9,7 +9,7 @@ from typing import Any
 from figure_counters import NAME as COUNTED, load_counters
 from frames import read_frame, read_frames, standing
 from kernel_points import found, median
-from records import DRAWN, NothingToDraw, Point, Sweep, busy, load_sweep
+from records import BIGGER_MACHINE, DRAWN, NothingToDraw, Point, Sweep, busy, load_sweep
 from scaling import published_curves
 
 PASS, FAIL, UNTESTABLE = "PASS", "FAIL", "NOT-TESTABLE-HERE"
@@ -177,7 +177,7 @@ def _absent(sweep: Sweep, where: dict[str, Any]) -> Verdict:
     """Why there is nothing to compare."""
     states = {f"{point.state}{f' ({point.why})' if point.why else ''}": point.state for point in _any(sweep, where)}
     text = "; ".join(list(states)[:2]) or "no such point in this preset"
-    bigger = set(states.values()) == {"needs a bigger machine"}
+    bigger = set(states.values()) == {BIGGER_MACHINE}
     wrong = "check failed" in states.values()
     return Verdict(UNTESTABLE, HARDWARE if bigger else MEASURED if wrong else NOT_RUN, text)
 

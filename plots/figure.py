@@ -57,6 +57,16 @@ def credit(sweep: Sweep) -> str:
     return "\n".join([*lines, *cautions, *filter(None, [busy(sweep.points)])])
 
 
+def head(figure: Figure, sweep: Sweep) -> None:
+    """Its title and preset above a figure."""
+    figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
+
+
+def foot(figure: Figure, sweep: Sweep) -> None:
+    """Where the numbers come from below a figure."""
+    figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7, color=GREY)
+
+
 def command_line(draw: Callable[[Path, Path], Drawn], about: str) -> int:
     """Draws one figure from the command line; returns the exit code."""
     parser = argparse.ArgumentParser(description=about)

@@ -24,7 +24,8 @@ def draw(results: Path, out: Path) -> Drawn:
     drawn = sorted(sweep.drawn(), key=lambda point: point.params["threads"])
     steps = [median_step(sweep.folder / "traces" / f"{point.id}.json", point.params["threads"]) for point in drawn]
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9, 2.2 + 0.5 * sum(step.threads + 1 for step in steps)))
+        height = 2.4 + 0.5 * sum(step.threads + 1 for step in steps)
+        figure = Figure(figsize=(9, height))
         if steps:
             heights = [step.threads + 0.6 for step in steps]
             axes = figure.subplots(len(steps), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
@@ -32,14 +33,14 @@ def draw(results: Path, out: Path) -> Drawn:
                 draw_step(axis, step)
             axes[-1].set_xlabel("time since the beginning of the step (µs)")
             figure.legend(handles=[Patch(color=colour, label=label) for label, colour in KINDS.values()], ncol=4, fontsize=8.5,
-                          loc="lower center", frameon=False, bbox_to_anchor=(0.5, 0.06))
+                          loc="lower center", frameon=False, bbox_to_anchor=(0.5, 0.4 / height))
         figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
         figure.text(0.5, 0.01, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
-        figure.subplots_adjust(left=0.1, right=0.98, top=0.9, bottom=0.3, hspace=0.25)
+        figure.subplots_adjust(left=0.1, right=0.96, top=1 - 0.7 / height, bottom=1.3 / height, hspace=0.25)
     rows = [[step.threads, step.step, bar.thread, bar.what, f"{bar.begin:.3f}", f"{bar.length:.3f}"]
             for step in steps for bar in step.bars]
     notes = [sentence(step) for step in steps]
-    absent = [f"{point.name}: {point.state}" for point in sweep.points if point not in drawn]
+    absent = [f"{point.name}: {point.state}." for point in sweep.points if point not in drawn]
     return save(figure, Drawn(NAME, sweep, out, [*notes, *absent]),
                 ["threads", "step", "thread", "what", "begin_us", "length_us"], rows)
 
@@ -59,7 +60,7 @@ def sentence(step: Timeline) -> str:
     """What the threads' time of the step went to."""
     shares = {what: step.share(what) for what in KINDS}
     idle = 1 - sum(shares.values())
-    return (f"{step.threads} threads, step of median time: {100 * shares['compare']:.1f} % of the threads' time compares bodies, "
+    return (f"{step.threads} thread{'s' * (step.threads > 1)}, step of median time: {100 * shares['compare']:.1f} % of the threads' time compares bodies, "
             f"{100 * shares['traverse']:.1f} % traverses, one thread alone works for {100 * shares['serial'] * step.threads:.2f} % "
             f"of the step, {100 * idle:.1f} % is idle or overhead.")
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import matplotlib
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, Figure, command_line, credit, save
+from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, Figure, command_line, foot, head, save
 from kernel_points import OURS, colour, found, median, ran
 from published import table_1
 from records import DRAWN, Point, load_sweep
@@ -37,7 +37,8 @@ def draw(results: Path, out: Path) -> Drawn:
                             ("roofline", _roofline), ("table", _table)):
             panel(panels[name], drawn)
         figure.get_layout_engine().set(rect=(0, 0.06, 1, 0.94))
-        figure.text(0.01, 0.01, credit(sweep), fontsize=7, va="bottom")
+        head(figure, sweep)
+        foot(figure, sweep)
         return save(figure, Drawn("figure_kernels", sweep, out, NOTES), HEADER, [_row(point) for point in sweep.points])
 
 
@@ -119,7 +120,7 @@ def _roofline(axes, points: list[Point]) -> None:
         axes.plot(found(point, "flops_per_pair") / found(point, "bytes_per_pair"), _mflops(point) / 1e3, MARKERS[OURS.index(kernel)],
                   color=colour(kernel), markerfacecolor=colour(kernel) if vector else "white", label=f"{kernel}{'' if vector else ', 1 lane'}")
     axes.set_ylim(top=2.5 * peak / 1e9)
-    axes.legend(fontsize=7)
+    axes.legend(fontsize=7, loc="lower left")
 
 
 def _table(axes, points: list[Point]) -> None:

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import matplotlib
-from figure import STYLE, Drawn, command_line, credit, save
+from figure import STYLE, Drawn, command_line, foot, head, save
 from kernel_points import PRECISION_MARKERS, colour, family_panels, label_outside, median, nanoseconds, ran
 from records import DRAWN, Point, load_sweep
 
@@ -33,7 +33,8 @@ def draw(results: Path, out: Path) -> Drawn:
         figure.legend(handles.values(), handles.keys(), loc="upper right", fontsize=8)
         label_outside(figure, COLUMNS, "reach (m)", "CPU time per pair (ns), one thread")
         figure.get_layout_engine().set(rect=(0, 0.06, 1 - 2.4 / figure.get_figwidth(), 0.94))
-        figure.text(0.01, 0.01, credit(sweep), fontsize=7, va="bottom")
+        head(figure, sweep)
+        foot(figure, sweep)
         return save(figure, Drawn("figure_reach", sweep, out, NOTES), HEADER, [_row(point, drawn) for point in sweep.points])
 
 

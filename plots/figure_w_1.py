@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import matplotlib
-from figure import GREY, STYLE, Drawn, command_line, credit, save
+from figure import GREY, STYLE, Drawn, command_line, foot, head, save
 from kernel_points import PEERS, PRECISION_MARKERS, WALL, colour, family_panels, found, label_outside, median, nanoseconds, ran
 from records import DRAWN, Point, load_sweep
 
@@ -29,11 +29,12 @@ def draw(results: Path, out: Path) -> Drawn:
         figure, panels = family_panels(sweep, COLUMNS, 3.6, (3.2, 1.6))
         for family, axes in panels.items():
             _panel(axes, family, [p for p in sweep.points if p.params["family"] == family])
-        foot = 0.5 / figure.get_figheight()
-        figure.get_layout_engine().set(rect=(0, foot, 1 - 1.6 / figure.get_figwidth(), 1 - foot))
+        below = 0.5 / figure.get_figheight()
+        figure.get_layout_engine().set(rect=(0, below, 1 - 1.6 / figure.get_figwidth(), 1 - below))
         _legend(figure)
         label_outside(figure, COLUMNS, "CPU time per triangle pair (ns), one thread", "99th percentile of |d - d*| / S")
-        figure.text(0.01, 0.01, credit(sweep), fontsize=7, va="bottom")
+        head(figure, sweep)
+        foot(figure, sweep)
         return save(figure, Drawn("figure_w_1", sweep, out, NOTES), HEADER, [_row(point) for point in sweep.points])
 
 

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import matplotlib
-from figure import STYLE, Drawn, Figure, command_line, credit, save
+from figure import STYLE, Drawn, Figure, command_line, foot, head, save
 from kernel_points import PEERS, PRECISION_MARKERS, colour, found, median, ran
 from records import DRAWN, Point, load_sweep
 
@@ -20,14 +20,15 @@ def draw(results: Path, out: Path) -> Drawn:
     sweep = load_sweep(results, "figure_w_2")
     families = list(dict.fromkeys(point.params["family"] for point in sweep.points))
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(1 + 4.5 * len(families), 4.6), layout="constrained")
+        figure = Figure(figsize=(max(8, 1 + 4.5 * len(families)), 4.6), layout="constrained")
         for axes, family in zip(figure.subplots(1, len(families), squeeze=False, sharey=True).flat, families):
             axes.set(title=family, xscale="log", xlabel="mesh pairs per second, one thread", ylim=(-0.05, 1.15))
             for point in (p for p in sweep.drawn() if p.params["family"] == family):
                 _mark(axes, point)
         figure.axes[0].set_ylabel("share of the true contacts found")
         figure.get_layout_engine().set(rect=(0, 0.06, 1, 0.94))
-        figure.text(0.01, 0.01, credit(sweep), fontsize=7, va="bottom")
+        head(figure, sweep)
+        foot(figure, sweep)
         rows = [_row(point, sweep.drawn()) for point in sweep.points]
         return save(figure, Drawn("figure_w_2", sweep, out, NOTES), HEADER, rows)
 

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import matplotlib
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, Figure, command_line, credit, save
+from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, Figure, command_line, foot, head, save
 from kernel_points import found, median, nanoseconds
 from records import DRAWN, Point, Sweep, load_sweep
 
@@ -34,7 +34,8 @@ def draw(results: Path, out: Path) -> Drawn:
         cost.set(xscale="log", yscale="log", xlabel="CPU time per mesh pair (us)", ylabel="error of the gap (radii)")
         growth.legend(fontsize=8)
         figure.get_layout_engine().set(rect=(0, 0.06, 1, 0.94))
-        figure.text(0.01, 0.01, credit(sweep), fontsize=7, va="bottom")
+        head(figure, sweep)
+        foot(figure, sweep)
         return save(figure, Drawn("figure_w_5", sweep, out, NOTES), HEADER, [_row(point) for point in sweep.points])
 
 

@@ -15,7 +15,7 @@ def family_panels(sweep: Sweep, most_columns: int, panel: float, margins: tuple[
     families = list(dict.fromkeys(point.params["family"] for point in sweep.points))
     columns = min(len(families), most_columns)
     rows = -(-len(families) // columns)
-    figure = Figure(figsize=(margins[0] + panel * columns, margins[1] + panel * rows), layout="constrained")
+    figure = Figure(figsize=(max(8, margins[0] + panel * columns), margins[1] + panel * rows), layout="constrained")
     return figure, dict(zip(families, figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).flat))
 
 

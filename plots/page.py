@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 
 from figure import Drawn
-from records import DRAWN, EXPECTED, Point
+from records import BIGGER_MACHINE, DRAWN, EXPECTED, Point
 
 TABLE_LIMIT = 200  # rows of a table in the page; the CSV has all
 MARKS = {"PASS": "good", "FAIL": "bad"}
@@ -51,8 +51,13 @@ def numbers(drawn: Drawn) -> str:
     if not rows:
         return ""
     more = f"<p>The first {TABLE_LIMIT} of {len(rows)} rows; the CSV has all.</p>" if len(rows) > TABLE_LIMIT else ""
-    shown = table([escape(cell) for cell in header], [[escape(cell) for cell in row] for row in rows[:TABLE_LIMIT]])
+    shown = table([escape(cell) for cell in header], [[_cell(text) for text in row] for row in rows[:TABLE_LIMIT]])
     return f"<details{' open' if drawn.open_table else ''}><summary>The {len(rows)} rows of numbers</summary>{shown}{more}</details>"
+
+
+def _cell(text: str) -> str:
+    """Numbers are not broken over lines: 1.0e-04."""
+    return f"<td class=number>{text}</td>" if re.fullmatch(r"[-+.0-9e]+", text) else escape(text)
 
 
 def claims(rows: list[dict]) -> str:
@@ -112,14 +117,18 @@ def not_drawn(drawn: dict[str, Drawn]) -> str:
     rows = []
     for number, each in drawn.items():
         rows += [[number, escape(panel["what"]), f"needs {escape(panel['needs'])}"] for panel in each.sweep.elsewhere]
+        larger = [point for point in each.sweep.points if point.state == BIGGER_MACHINE]
+        if larger:
+            threads = ", ".join(map(str, sorted({point.params["threads"] for point in larger})))
+            rows.append([number, f"{len(larger)} point{'s' * (len(larger) > 1)} on {threads} threads", BIGGER_MACHINE])
         for point in each.sweep.points:
-            if point.state != DRAWN:
+            if point.state not in (DRAWN, BIGGER_MACHINE):
                 bad = " class=bad" if point.state in ("failed", "check failed") else ""
                 why = f": {escape(point.why)}" if point.why else ""
                 rows.append([number, escape(point.name), f"<td{bad}>{point.state}{why}</td>"])
     if not rows:
         return '<h2 id="not-drawn">Not drawn</h2><p>Nothing is missing.</p>'
-    return (f'<h2 id="not-drawn">Not drawn</h2><details open><summary>{len(rows)} points and panels</summary>'
+    return (f'<h2 id="not-drawn">Not drawn</h2><details open><summary>{len(rows)} rows</summary>'
             + table(["figure", "point", "why"], rows) + "</details>")
 
 

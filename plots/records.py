@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 DRAWN = "finished"
+BIGGER_MACHINE = "needs a bigger machine"
 EXPECTED = "check failed as expected"  # a baseline whose answers are known to be wrong
 
 

@@ -10,8 +10,9 @@ from typing import Any
 import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, credit, save
+from figure import COLOURS, MARKERS, STYLE, Drawn, foot, head, save
 from records import DRAWN, Sweep, load_sweep
 
 RULES = ("all-pairs", "dedupe", "nearest", "features")
@@ -100,6 +101,11 @@ def draw_panel(axis, sweep: Sweep, panel: Panel) -> None:
         axis.minorticks_off()
     if panel.guide:
         panel.guide(axis)
+    low, high = axis.get_xlim()
+    if axis.get_xscale() == "log" and not panel.ticks and high < 100 * low:  # too few decades for the powers of ten alone
+        axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.xaxis.set_minor_formatter(NullFormatter())
 
 
 def draw_panels(name: str, panels: list[Panel], notes: Callable[[Sweep], list[str]], results: Path, out: Path,
@@ -111,7 +117,7 @@ def draw_panels(name: str, panels: list[Panel], notes: Callable[[Sweep], list[st
     rows = -(-count // columns)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(max(6.5, 3.9 * columns), 3.3 * rows + 0.7), layout="constrained")
-        figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
+        head(figure, sweep)
         axes = figure.subplots(rows, columns, squeeze=False).ravel()
         explained: list[list[str]] = []
         for axis, panel in zip(axes, panels):
@@ -124,7 +130,7 @@ def draw_panels(name: str, panels: list[Panel], notes: Callable[[Sweep], list[st
             extra(axes[count - 1], sweep)
         for axis in axes[count:]:
             axis.set_axis_off()
-        figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7, color=GREY)
+        foot(figure, sweep)
         figure.get_layout_engine().set(rect=(0, 0.06, 1, 0.94))
         return save(figure, Drawn(name, sweep, out, notes(sweep)), HEADER, table(sweep))
 
@@ -159,7 +165,7 @@ def draw_matrix(name: str, columns: tuple[str, ...], cells: Callable[[Sweep], di
             for c, column in enumerate(columns):
                 if (row, column) in words:
                     cell(axis, c, r, *words[row, column])
-        figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7, color=GREY)
+        foot(figure, sweep)
         figure.get_layout_engine().set(rect=(0, 0.1, 1, 0.9))
         return save(figure, Drawn(name, sweep, out, notes(sweep)), HEADER, table(sweep))
 

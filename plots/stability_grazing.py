@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Grazing impacts: energy that bodies gain from the floor."""
 import packages  # noqa: F401, I001: before all that need them
+import math
 import sys
 from pathlib import Path
 
@@ -16,8 +17,10 @@ PANELS = [
 
 
 def notes(sweep) -> list[str]:
-    return [f"{rule}: gains up to {worst(sweep, Line('', 'grazing', 'energy_gained', {'contact_rule': rule})):.1e} with damping, "
-            f"{worst(sweep, Line('', 'grazing', 'energy_gained_undamped', {'contact_rule': rule})):.1e} without." for rule in RULES]
+    gains = {rule: [worst(sweep, Line("", "grazing", metric, {"contact_rule": rule}))
+                    for metric in ("energy_gained", "energy_gained_undamped")] for rule in RULES}
+    return [f"{rule}: gains up to {damped:.1e} with damping, {undamped:.1e} without."
+            for rule, (damped, undamped) in gains.items() if not math.isnan(damped)]
 
 
 def draw(results: Path, out: Path) -> Drawn:

@@ -14,7 +14,7 @@ LINES = [Line(label, "far-from-origin", f"overlap_error_{method}") for method, l
 
 
 def limits(axis) -> None:
-    axis.set(xscale="log", ylim=(1e-16, 10))
+    axis.set(xscale="log", ylim=(1e-22, 10))
     axis.axhline(1, color="#666666", linewidth=0.8)
     axis.annotate("the whole overlap", (1, 1.5), color="#666666", fontsize=8)
 

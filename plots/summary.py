@@ -36,11 +36,10 @@ def _verified(points: list[Point]) -> str:
 
 def _missing(points: list[Point], absent: dict[str, str]) -> str:
     states = Counter(point.state for point in points if point.state != DRAWN)
+    missing = [f"{_count(number, 'point')} ({state})" for state, number in states.items()]
     if absent:
-        states[f"figure{'s' * (len(absent) > 1)} not run"] = len(absent)
-    if not states:
-        return "No point is missing."
-    return f"Not drawn: {', '.join(f'{number} {state}' for state, number in states.items())}."
+        missing.append(f"{_count(len(absent), 'figure')} (not run)")
+    return f"Not drawn: {', '.join(missing)}." if missing else "No point is missing."
 
 
 def _claims(claims: list[dict]) -> str:

@@ -1,3 +1,4 @@
+#include "experiments/build_info.hpp"
 #include "experiments/record.hpp"
 #include <cmath>
 #include <filesystem>
@@ -81,6 +82,11 @@ TEST(Record, numbers_come_back_bit_by_bit) {
   EXPECT_EQ(std::stoull(record["state_hash"].get<std::string>(), nullptr, 16), point.samples[0].state_hash);
   EXPECT_EQ(record["point_id"], "id");
   EXPECT_EQ(record["scene"]["moving_bodies"], 2);
+}
+
+TEST(Record, flags_are_those_that_the_compiler_was_given) {
+  EXPECT_NE(build_info.flags.find("-std=c++20"), std::string_view::npos);
+  EXPECT_EQ(build_info.flags.find('$'), std::string_view::npos) << build_info.flags;
 }
 
 TEST(Record, a_failed_check_leaves_no_times) {

@@ -41,7 +41,7 @@ def test_every_figure_is_in_the_page_with_its_data(full):
         assert base64.b64decode(raw) == (full.folder / f"figures/{name}.csv").read_bytes()
     assert page.count("<svg ") == page.count("</svg>") == 5
     assert "needs a Xeon Phi" in page and "Imagined &lt;CPU&gt;" in page and "64 pairs agree" in page
-    assert "needs a bigger machine: 4 threads, 2 cores here" in page and "grid &#x27;adaptive&#x27;" in page
+    assert "on 4 threads</td><td>needs a bigger machine" in page and "grid &#x27;adaptive&#x27;" in page
 
 
 def test_the_page_loads_nothing_and_is_well_formed(full):
