@@ -1,5 +1,6 @@
 """What the tools say and return where nothing need be built."""
 import os
+import runpy
 import subprocess
 from pathlib import Path
 
@@ -60,3 +61,8 @@ def test_as_root_only_what_is_missing_is_installed(tmp_path):
     (tmp_path / "asked").unlink()
     assert call("install", path=f"{tmp_path}:/usr/bin:/bin").returncode == 0
     assert not (tmp_path / "asked").exists()
+
+
+def test_every_line_that_mutate_breaks_is_in_the_sources_once():
+    faults = runpy.run_path(str(TOOLS / "mutate"))["MUTANTS"]
+    assert [fault.name for fault in faults if (TOOLS.parent / fault.file).read_text().count(fault.old) != 1] == []
