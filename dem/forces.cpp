@@ -33,9 +33,9 @@ namespace {
 /// become stiffer, so that pressing a sheared contact does not create energy (Thornton et al. 2013).
 Vector3d turned_spring(const HeldSpring& spring, const Vector3d& normal, double stiffness) {
   const Vector3d in_plane = spring.stretch - spring.stretch.dot(normal) * normal;
-  const double length = in_plane.norm();
-  if (!(length > 0)) return Vector3d::Zero();
-  return std::min(1., spring.stiffness / stiffness) * spring.stretch.norm() / length * in_plane;
+  const double length2 = in_plane.squaredNorm();
+  if (!(length2 > 0)) return Vector3d::Zero();
+  return std::min(1., spring.stiffness / stiffness) * std::sqrt(spring.stretch.squaredNorm() / length2) * in_plane;
 }
 
 /// Square of the largest speed of approach (m/s) that the undamped spring stops before it has taken up the sum of
@@ -73,10 +73,10 @@ void contact_forces(const Particles& p, std::span<const Vector3d> spin, const Co
     const double held = tangential.stiffness / 2 * tangential.stretch.squaredNorm();
     Vector3d spring = (kt > 0 ? turned_spring(tangential, c.normal, kt) : Vector3d::Zero()) + step_s * slip;
     Vector3d f_t = -kt * spring - damping_t * slip;
-    const double most = parameters.friction * f_n, size = f_t.norm();
-    c.slides = size > most;
+    const double most = parameters.friction * f_n, size2 = f_t.squaredNorm();
+    c.slides = size2 > most * most;
     if (c.slides) { // the spring gives way until it alone carries mu f_n, and stores no more than that
-      f_t *= most / size;
+      f_t *= most / std::sqrt(size2);
       spring = kt > 0 ? (-f_t / kt).eval() : Vector3d::Zero().eval();
     }
     tangential.stretch = spring;

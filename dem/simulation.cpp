@@ -4,10 +4,10 @@
 #include "dem/contact_list.hpp"
 #include "dem/contact_step_limit.hpp"
 #include "dem/critical_step.hpp"
-#include "dem/fast_bodies.hpp"
 #include "dem/forces.hpp"
 #include "dem/motion.hpp"
 #include "dem/step_size.hpp"
+#include "dem/watch.hpp"
 #include "kernels/name_table.hpp"
 #include <algorithm>
 #include <chrono>
@@ -67,21 +67,15 @@ struct Simulation::State {
   Layers layers;
   std::vector<TaskPool> pools;
   ContactList contacts;
-  Loads loads, next_loads,
-      outside;                // next_loads: what add_load() gathered for the next step, empty
-                              // before its first call; outside: of this step
-  MiddleMotion motion;        // of the last kick
-  std::vector<KickSums> sums; // scratch
+  Loads loads, next_loads, outside; // next_loads: what add_load() gathered for the next step, empty before its first
+                                    // call; outside: of this step
+  MiddleMotion motion;              // of the last kick
+  std::vector<KickSums> sums;       // scratch
   Budget budget;
-  double tangential_energy = 0,
-         pending = 0; // J, of the last step's tangential springs; of the second
-                      // half of its kick
+  double tangential_energy = 0, pending = 0; // J, of the last step's tangential springs; of the second half of its kick
   Momentum start_momentum;
-  FastContact first_fast, first_fast_body;
-  std::vector<double> within; // m, see seen_within()
-  std::int64_t contact_steps = 0;
-  bool has_next_loads = false,
-       pushed = false; // pushed: there was something from outside in the last step
+  Watch watch;
+  bool has_next_loads = false, pushed = false; // pushed: there was something from outside in the last step
   double time = 0;
   StepLength step; // s
 
@@ -93,18 +87,16 @@ struct Simulation::State {
         control(row_named(step_controls(), "time.control", scene.time.control)), particles(particles_of(scene)),
         source(from ? std::move(from)
                     : make_pair_source({options.grid, options.subdivision, options.skin}, scene.domain, particles)),
-        team(runtime_for(options, scheme), threads_of(options)) {
+        team(runtime_for(options, scheme), threads_of(options)), watch(particles) {
     const int n = particles.size();
     require_law_fits(scene);
     const double largest_step = scene.time.force ? std::numeric_limits<double>::infinity() : critical_step(scene);
     if (!(scene.time.step > 0) || scene.time.step > largest_step)
       throw InputError("the time step of " + number(scene.time.step) + " s is not between 0 and the critical step of " +
                        number(largest_step) + " s of its contacts (" + scene.name +
-                       ": time.step_s). Take a smaller step or a softer "
-                       "contact, or set time.force.");
+                       ": time.step_s). Take a smaller step or a softer contact, or set time.force.");
     step = scene.time.step;
     start_momentum = momentum_of(particles);
-    within = seen_within(particles);
     buffers.resize(team.threads());
     pools = std::vector<TaskPool>(team.threads() + 1);
     layers = layers_named(options.layers == "default" ? scheme.layers : options.layers);
@@ -134,10 +126,8 @@ struct Simulation::State {
   void forces(StepStats& stats);
   void add_loads_of(int body, Loads& old);
   void settle_budget(const KickSums& kick);
-  void watch(StepStats& stats, const KickSums& kick);
   /// The part of a step (s) in which a contact may begin.
   double blind_step() const { return control.guards_gaps ? std::min(step.now, scene.time.step) : step.now; }
-  bool flies_blind(int body) const { return fastest_point(particles, body) * blind_step() > within[body]; }
   void integrate();
 };
 
@@ -189,7 +179,7 @@ void Simulation::State::forces(StepStats& stats) {
   KickSums kick = block_sum(team, particles.size(), sums, [&](int begin, int end, KickSums& sum) {
     for (int body = begin; body < end; ++body) {
       add_loads_of(body, old);
-      sum.fast_bodies += flies_blind(body);
+      sum.fast_bodies += watch.flies_blind(particles, body, blind_step());
     }
     motion.update(particles, loads, scene.gravity, step.kick(), begin, end);
     add_weight(particles, scene.gravity, step.kick(), begin, end, sum.budget);
@@ -201,7 +191,7 @@ void Simulation::State::forces(StepStats& stats) {
     add_contacts(all.subspan(begin, end - begin), particles, motion, step.kick(), sum);
   });
   settle_budget(kick);
-  watch(stats, kick);
+  watch.look(particles, scene.contact, contacts, kick, time, step.now, blind_step(), team, stats);
 }
 
 /// Clears `old` of the body and adds the forces of its contacts to its loads.
@@ -217,24 +207,6 @@ void Simulation::State::settle_budget(const KickSums& kick) {
   budget.friction += tangential_energy - kick.held - kick.released; // springs whose contacts ended
   tangential_energy = kick.held;
   pending = kick.pending;
-}
-
-/// Looks for bodies that may fly past a contact between two steps, for contacts
-/// that will not be stopped, and now and then for a step that is too long for
-/// the contacts.
-void Simulation::State::watch(StepStats& stats, const KickSums& kick) {
-  constexpr int rarely = 256,
-                rounds = 30; // steps; a round costs about as much as the forces of a step
-  stats.fast_bodies += kick.fast_bodies;
-  for (int i = 0; kick.fast_bodies > 0 && first_fast_body.a < 0; ++i)
-    if (flies_blind(i)) first_fast_body = {time, i, -1, fastest_point(particles, i), within[i] / blind_step()};
-  stats.fast_contacts += kick.fast_contacts;
-  if (kick.fast_contacts > 0 && first_fast.a < 0) {
-    const auto fast = std::ranges::find_if(contacts.contacts(), &Contact::fast);
-    first_fast = fast_contact(particles, scene.contact, *fast, time);
-  }
-  if (contacts.contacts().empty() || contact_steps++ % rarely != 0) return;
-  stats.unstable_steps += step.now > ContactStepLimit().of(particles, scene.contact, contacts, team, rounds);
 }
 
 void Simulation::State::integrate() {
@@ -315,8 +287,8 @@ Momentum Simulation::momentum_error() const {
           now.angular - s.start_momentum.angular - s.budget.angular_impulse};
 }
 
-const FastContact& Simulation::first_fast_contact() const { return state_->first_fast; }
-const FastContact& Simulation::first_fast_body() const { return state_->first_fast_body; }
+const FastContact& Simulation::first_fast_contact() const { return state_->watch.first_fast_contact(); }
+const FastContact& Simulation::first_fast_body() const { return state_->watch.first_fast_body(); }
 double Simulation::contact_step_limit() const {
   State& s = *state_;
   return ContactStepLimit().of(s.particles, s.scene.contact, s.contacts, s.team);

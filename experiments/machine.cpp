@@ -1,11 +1,11 @@
 #include "experiments/machine.hpp"
-#include <ctime>
 #include "dem/runtime.hpp"
 #include "kernels/name_table.hpp"
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <hwloc.h>
 #include <mutex>

@@ -10,7 +10,8 @@ namespace trigrain {
 
 /// What one call of kernel_bench is asked to do.
 struct BenchOptions {
-  std::string kernel = "all", precision = "double", family = "every", precheck = "octree", cuts = "adaptive", schedule = "constant";
+  std::string kernel = "all", precision = "double", family = "every", precheck = "octree", cuts = "adaptive",
+              schedule = "constant";
   int lanes = 0; ///< 0: as many as fill a register
   Query query;
   int pairs = 0; ///< 0: 10000 of triangles: branches cannot be learnt by heart, 100 of meshes
