@@ -88,6 +88,8 @@ void add_run_options(CLI::App& app, BenchRequest& r) {
   output(app.add_option("--param", r.extra_params, "key=value, copied into the record's params; may be repeated"))
       ->allow_extra_args(false);
   output(app.add_option("--final-state", r.final_state, "JSON of where the bodies ended"));
+  output(app.add_option("--hand-over", r.hand_over,
+                        "JSON of the bodies there with shapes and masses, for other programs"));
   output(app.add_option("--trace", r.trace, "every piece of work of every thread, in Chrome's trace format"));
   auto* vtk = output(app.add_option("--vtk", r.vtk,
                                     "folder for ParaView: frames.pvd with the bodies, grid.pvd with the grid's cells"));

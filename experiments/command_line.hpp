@@ -23,7 +23,7 @@ struct BenchRequest {
   int repeats = 1;                   ///< samples
   std::int64_t warmup = 0;           ///< untimed steps before each sample
   std::optional<std::int64_t> check_steps;
-  std::filesystem::path record, final_state, trace, vtk;
+  std::filesystem::path record, final_state, hand_over, trace, vtk;
   std::int64_t history = 0; ///< steps per row of the record's history; 0: none
   double vtk_every = 0;     ///< simulated seconds; 0: first and last only
   std::string point_id;

@@ -1,6 +1,7 @@
 // One point of an experiment: reads the command line, checks, times, and writes the record.
 #include "experiments/atomic_file.hpp"
 #include "experiments/command_line.hpp"
+#include "experiments/hand_over.hpp"
 #include "experiments/record.hpp"
 #include "experiments/run_point.hpp"
 #include "kernels/name_table.hpp"
@@ -21,7 +22,7 @@ enum ExitCode { fine = 0, check_failed = 1, bad_input = 3, bad_environment = 4 }
 
 /// Everything that would make the run's results unwritable, before it is run.
 void require_outputs(const BenchRequest& request) {
-  for (const auto& file : {request.record, request.final_state, request.trace})
+  for (const auto& file : {request.record, request.final_state, request.hand_over, request.trace})
     if (!file.empty()) require_writable(file);
   if (!request.vtk.empty() && !std::filesystem::is_directory(request.vtk))
     require_writable(request.vtk); // its parent must take a new folder
@@ -85,6 +86,7 @@ void print_summary(const BenchRequest& request, const PointResult& point) {
   if (!request.record.empty()) std::printf("wrote %s\n", request.record.c_str());
   if (point.samples.empty()) return;
   if (!request.final_state.empty()) std::printf("wrote %s\n", request.final_state.c_str());
+  if (!request.hand_over.empty()) std::printf("wrote %s\n", request.hand_over.c_str());
   if (!request.trace.empty()) std::printf("wrote %s\n", request.trace.c_str());
   if (!request.vtk.empty()) std::printf("wrote %s\n", (request.vtk / "frames.pvd").c_str());
 }
@@ -99,6 +101,8 @@ int run(int argc, char** argv) {
   if (!request->record.empty()) write_atomically(request->record, make_record(point, request->point_id).dump(1) + "\n");
   if (!request->final_state.empty() && !point.samples.empty())
     write_atomically(request->final_state, to_json(point.final_state).dump() + "\n");
+  if (!request->hand_over.empty() && !point.samples.empty())
+    write_atomically(request->hand_over, hand_over(point.scene, point.final_state).dump() + "\n");
   if (!request->trace.empty() && !point.samples.empty()) write_atomically(request->trace, point.trace.dump() + "\n");
   print_summary(*request, point);
   if (point.check.passed()) return fine;

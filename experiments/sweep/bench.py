@@ -13,18 +13,19 @@ from sweep.points import Point, StartState
 
 @dataclass(frozen=True)
 class Bench:
-    """A build of a program: the names it lists per parameter ("grid": {"none", "regular"}), and the commit of the
-    sources."""
+    """A build of a program: the names it lists per parameter and what it says of them ("grid": {"none": "all pairs"}), and
+    the commit of the sources. What "missing_engine" lists is not there, and why."""
     program: Program
     path: Path
-    variants: dict[str, set[str]]
+    variants: dict[str, dict[str, str]]
     commit: str | None
 
     def lacks(self, params: dict[str, Any]) -> str | None:
-        """What of `params` this build does not have, as "grid 'adaptive'"."""
+        """What of `params` this build does not have, as "grid 'adaptive'", and why if it says so."""
         for key, names in self.variants.items():
             if isinstance(params.get(key), str) and params[key] not in names:
-                return f"{key.replace('_', ' ')} '{params[key]}'"
+                why = self.variants.get(f"missing_{key}", {}).get(params[key])
+                return f"{key.replace('_', ' ')} '{params[key]}'" + (f": {why}" if why else "")
         return None
 
 
@@ -87,14 +88,15 @@ def _describe(program: Program, path: Path, root: Path) -> Bench:
         raise SweepError(f"{path} does not run (--list: {trouble}). Build it again.") from None
     except (OSError, subprocess.TimeoutExpired) as error:
         raise SweepError(f"{path} does not run (--list: {error}). Build it again.") from None
-    variants: dict[str, set[str]] = {}
+    variants: dict[str, dict[str, str]] = {}
     for line in answer.stdout.splitlines():
         if line.startswith("  ") and variants:
-            names.add(line.strip().partition(":")[0])
+            name, _, about = line.strip().partition(":")
+            names[name] = about.strip()
         elif line:
-            names = variants.setdefault(_singular(line.strip()).replace(" ", "_"), set())
+            names = variants.setdefault(_singular(line.strip()).replace(" ", "_"), {})
     if "runtime" in variants:
-        variants["runtime"].add("default")
+        variants["runtime"]["default"] = ""
     if not set(variants) & set(program.parameters):
         raise SweepError(f"{path} --list names no {', '.join(k for k, p in program.parameters.items() if p.names)}. "
                          "Build it again.")

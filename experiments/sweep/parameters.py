@@ -132,7 +132,10 @@ STABILITY = Program("stability", {
     "seed": Parameter("--seed", int, least=0),
 })
 
-PROGRAMS = {program.name: program for program in (DEM_BENCH, KERNEL_BENCH, STABILITY)}
+PEER_BENCH = Program("peer_bench", {"engine": Parameter("--engine", str, ("trigrain", "liggghts", "yade")), **DEM_BENCH.parameters},
+                     DEM_BENCH.exactly_one)
+
+PROGRAMS = {program.name: program for program in (DEM_BENCH, KERNEL_BENCH, STABILITY, PEER_BENCH)}
 
 
 def _not_finite(value: Any) -> bool:

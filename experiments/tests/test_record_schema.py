@@ -123,3 +123,19 @@ def test_list_has_every_table(dem_bench):
         "scenes", "kernels", "prechecks", "grids", "contact rules", "schemes", "runtimes", "step controls"]
     rows = [line.split(": ", 1) for line in lines if line.startswith("  ")]
     assert all(len(row) == 2 and row[1] for row in rows), rows
+
+
+def test_bodies_handed_over_keep_to_their_schema_and_have_the_mass_of_the_scene(dem_bench, tmp_path):
+    done = dem_bench("--scene", "hopper", "--particles", 5, "--vertices", 10, "--steps", 1, "--hand-over", tmp_path / "h.json",
+                     "--record", tmp_path / "r.json")
+    assert done.returncode == 0 and "h.json" in done.stdout, done.stdout + done.stderr
+    handed = json.loads((tmp_path / "h.json").read_text())
+    validator("hand_over").validate(handed)
+    assert not validator("hand_over").is_valid({**handed, "bodies": [{}]})
+    moving = [body for body in handed["bodies"] if not body["fixed"]]
+    record = json.loads((tmp_path / "r.json").read_text())
+    assert sum(body["mass_kg"] for body in moving) == pytest.approx(record["scene"]["total_mass_kg"])
+    for body in moving:  # the world's frame: the centre of mass lies amid the points
+        points = body["shape"]["points_m"]
+        for axis in range(3):
+            assert min(p[axis] for p in points) < body["centre_m"][axis] < max(p[axis] for p in points)
