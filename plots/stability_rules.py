@@ -10,20 +10,26 @@ from stability import RULES, Line, Panel, by_rule, cell, draw_panels, found, out
 
 NAME = "stability_rules"
 CUTS = {1: "1", 2: "2", 4: "4", 8: "8", 16: "16"}
+
+
+def up_to(most: int) -> dict[int, str]:
+    return {cuts: label for cuts, label in CUTS.items() if cuts <= most}
+
+
 CUT_FACES = {"overlap_change": "static overlap, change", "contact_time_change": "contact time, change",
              "restitution_change": "restitution, change", "critical_step_change": "critical step, change"}
 PANELS = [
     *(Panel(by_rule("tessellation", metric), "cuts of a face's edge", label, ticks=CUTS) for metric, label in CUT_FACES.items()),
-    Panel(by_rule("loop-work", "loop_work"), "cuts of a face's edge", "work of a closed path / energy stored", ticks=CUTS),
+    Panel(by_rule("loop-work", "loop_work"), "cuts of a face's edge", "work of a closed path / energy stored", ticks=up_to(4)),
     Panel([Line(f"{rule}, {points} points", "loop-work", metric, {"contact_rule": rule})
            for rule in ("dedupe", "nearest", "features")
            for points, metric in ((2500, "loop_work_at_2500_points"), (40000, "loop_work"))],
-          "cuts of a face's edge", "the same, coarse and fine", ticks=CUTS),
+          "cuts of a face's edge", "the same, coarse and fine", ticks=up_to(4)),
     Panel(by_rule("face-rest", "wander_of_edge"), "cuts of a face's edge", "wander of the contact point / edge", ticks=CUTS),
     Panel(by_rule("face-rest", "torque_of_weight_edge"), "cuts of a face's edge", "torque at rest / (weight edge)", ticks=CUTS),
-    Panel(by_rule("stack", "interface_load_error"), "cuts of a face's edge", "load of an interface / i m g - 1", ticks=CUTS),
+    Panel(by_rule("stack", "interface_load_error"), "cuts of a face's edge", "load of an interface / i m g - 1", ticks=up_to(2)),
     Panel(by_rule("stack", "kinetic_of_m_g_overlap"), "cuts of a face's edge", "kinetic energy of a stack / (m g overlap)",
-          ticks=CUTS),
+          ticks=up_to(2)),
     Panel(by_rule("rule-cost", "microseconds"), "cuts of a face's edge", "microseconds per body pair", ticks=CUTS),
 ]
 BARS = [("tessellation", metric) for metric in CUT_FACES] + [

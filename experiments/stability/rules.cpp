@@ -168,6 +168,7 @@ std::vector<Metric> face_rest(const StudyRequest& request) {
   const double weight = mass * g;
   Vector3d low = Vector3d::Constant(1e300), high = -low;
   double torque = 0;
+  bool rests = false;
   for (int i = 0; i < 1000; ++i) {
     sim.step();
     const Particles& p = sim.particles();
@@ -178,11 +179,12 @@ std::vector<Metric> face_rest(const StudyRequest& request) {
       pressed += c.force.norm(), point += c.force.norm() * c.point;
     }
     if (pressed > 0) point /= pressed;
+    rests |= pressed > 0;
     low = low.cwiseMin(point), high = high.cwiseMax(point);
     torque = std::max(torque, about_centre.norm());
   }
-  return {{"wander_of_edge", (high - low).norm() / edge, 1e-6},
-          {"torque_of_weight_edge", torque / (weight * edge), 1e-6}};
+  return {{"wander_of_edge", rests ? (high - low).norm() / edge : std::nan(""), 1e-6},
+          {"torque_of_weight_edge", rests ? torque / (weight * edge) : std::nan(""), 1e-6}};
 }
 
 /// Ten cubes on each other; value: cut of the faces.
