@@ -14,8 +14,10 @@ from records import DRAWN, Sweep, load_sweep
 NAME = "figure_closed_forms"
 FLOOR = 1e-17  # smaller errors are drawn here
 SINGLE = ("free-top", "slope", "topple", "rolling-ball", "similarity", "stack")
-MISSES = (("gap", "gap_times_triangles"), ("volume", "volume_error_times_triangles"),
-          ("inertia", "inertia_error_times_triangles"), ("spin of a drop", "spurious_spin_times_triangles"))
+# label, metric, power of the number of triangles in it
+MISSES = (("gap", "gap_times_triangles", 1), ("volume", "volume_error_times_triangles", 1),
+          ("inertia", "inertia_error_times_triangles", 1), ("spin of a drop", "spurious_spin_times_triangles", 1),
+          ("tilt of the normal", "normal_tilt_times_root_of_triangles", 0.5))
 
 
 def draw(results: Path, out: Path) -> Drawn:
@@ -64,24 +66,24 @@ def converges(axis, sweep: Sweep, study: str, over: str, errors: tuple[str, ...]
         x1 = max(x for line in found.values() for x, _ in line)
         axis.plot([x0, x1], [y0, y0 * (x1 / x0)**order], color=GREY, linewidth=0.8, label=f"slope {order:g}")
     if found:
-        axis.legend(fontsize=8, loc="lower left")
+        axis.legend(fontsize=8, framealpha=0.5)
     axis.set(xscale="log", yscale="log", xlabel=below, ylabel="error")
     return ""
 
 
 def balls(axis, sweep: Sweep) -> str:
-    """What an icosphere misses of a ball; each law falls as one over the triangles."""
+    """What an icosphere misses of a ball: one over the triangles, the tilt of its normal one over their root."""
     points = sorted((p.record["metrics"]["triangles"]["value"], p.record["metrics"]) for p in sweep.points
                     if p.state == DRAWN and p.params["study"] == "mesh-sphere")
     said = []
-    for (name, metric), colour, marker in zip(MISSES, COLOURS, MARKERS):
-        triangles, errors = np.array([(t, m[metric]["value"] / t) for t, m in points]).reshape(-1, 2).T
+    for (name, metric, power), colour, marker in zip(MISSES, COLOURS, MARKERS):
+        triangles, errors = np.array([(t, m[metric]["value"] / t**power) for t, m in points]).reshape(-1, 2).T
         if len(triangles) > 1:
             slope = np.polyfit(np.log(triangles), np.log(errors), 1)[0]
             axis.plot(triangles, errors, color=colour, marker=marker, label=f"{name}, slope {slope:.2f}")
-            said.append(f"{name} {points[-1][1][metric]['value']:.3g}/T")
+            said.append(f"{name} {points[-1][1][metric]['value']:.3g}/{'T' if power == 1 else 'sqrt(T)'}")
     axis.set(xscale="log", yscale="log", xlabel="triangles T of an icosphere", ylabel="error of what a ball has")
-    axis.legend(fontsize=8, loc="lower left")
+    axis.legend(fontsize=8, framealpha=0.5)
     return f"An icosphere misses of a ball: {', '.join(said)}." if said else ""
 
 
