@@ -13,8 +13,8 @@ from peers.outcome import Outcome, Run, Unable
 PROGRAM = "yade"
 OF_SPHERES = ("the same linear spring, dashpot and Coulomb friction; radii include the halo, so that the levers of friction and the "
               "moments of inertia are larger; tangential springs start from 0")
-OF_GRAINS = ("convex hulls grown by the halo, with corners where our halos are round, so that a tenth more pairs touch; the force is proportional to the volume of overlap and acts at its centre, one contact "
-             "for each pair; no dashpot, instead global damping of .3; tangential springs start from 0")
+OF_GRAINS = ("convex hulls grown by the halo, with corners where our halos are round, so that a tenth more pairs touch; the force is "
+             "proportional to the volume of overlap and acts at its centre, one contact for each pair; no dashpot, instead global damping of .3; tangential springs start from 0")
 GLOBAL_DAMPING = 0.3  # of polyhedra, as YADE's own examples have it
 
 
