@@ -14,6 +14,7 @@ from grids import finish, history, look
 from records import Point, load_sweep
 
 NAME = "figure_g_2"
+ACROSS = 4  # panels side by side
 ROWS = (("candidate_pairs", "pairs compared"), ("visited_vertices", "vertices visited"))
 
 
@@ -24,21 +25,30 @@ def draw(results: Path, out: Path) -> Drawn:
                                for p in sweep.points))
     rows: list[list] = []
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(max(7, 3.4 * len(cases)), 7.6))
-        axes = figure.subplots(2, len(cases), sharey="row", squeeze=False)
-        for column, case in enumerate(cases):
-            axes[0][column].set_title(f"{case[0]} bodies, 1:{case[1]:g}, g = {case[2]:g}")
+        across = min(ACROSS, len(cases))
+        bands = -(-len(cases) // across)  # each has a row of panels for either of ROWS
+        height = 1.6 + 5.6 * bands
+        figure = Figure(figsize=(max(7, 3.4 * across), height))
+        axes = figure.subplots(2 * bands, across, sharex=True, squeeze=False)
+        for number, case in enumerate(cases):
+            panels = axes[number // across * 2:, number % across][:2]
+            panels[0].set_title(f"{case[0]} bodies, 1:{case[1]:g}, g = {case[2]:g}")
             for point in sweep.drawn():
                 if (point.params["particles"], point.params["size_ratio"], point.params["gravity"]) == case:
-                    rows += draw_point(axes[:, column], case, point)
-        for row, (_, label) in enumerate(ROWS):
-            axes[row][0].set_ylabel(f"{label}\nper body and step")
-            axes[row][0].set_yscale("log")
-        for axis in axes[1]:
+                    rows += draw_point(panels, case, point)
+        for row, line in enumerate(axes):
+            line[0].set_ylabel(f"{ROWS[row % 2][1]}\nper body and step")
+            for axis in line:
+                axis.set_yscale("log" if row % 2 == 0 else "linear")
+                axis.tick_params(labelleft=axis is line[0])
+            low, high = (choose(limits) for choose, limits in zip((min, max), zip(*(axis.get_ylim() for axis in line))))
+            for axis in line:
+                axis.set_ylim(0 if row % 2 else low, high)
+        for axis in axes[-1]:
             axis.set_xlabel("steps")
         if rows:
             axes[0][0].legend(fontsize=8)
-        figure.subplots_adjust(left=0.09, right=0.98, top=0.9, bottom=0.16, wspace=0.08, hspace=0.1)
+        figure.subplots_adjust(left=0.09, right=0.98, top=1 - 0.8 / height, bottom=1.1 / height, wspace=0.08, hspace=0.2)
         header = ["particles", "size_ratio", "gravity_m_s2", "grid", "steps", "compared_per_body", "visited_per_body"]
         return finish(figure, sweep, out, notes(rows), (header, rows))
 

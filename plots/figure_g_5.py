@@ -10,12 +10,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from figure import GREY, STYLE, Drawn, command_line
-from grids import finding_pairs, finish, look
+from grids import bodies, compared, counts_per_step, finding_pairs, finish, look, step_s
 from records import Point, load_sweep
 
 NAME = "figure_g_5"
 HEADER = ["grid", "skin", "particles", "ms_per_step", "grid_and_search_us_per_body", "heap_bytes_per_body",
           "compared_per_body", "share_of_comparisons_saved", "searches_per_step", "share_of_grid_and_search", "record"]
+BAR_BYTES = 1000
 PANELS = (("ms_per_step", "wall time per step (ms)"), ("grid_and_search_us_per_body", "grid and detection (us per body)"),
           ("heap_bytes_per_body", "memory beside the mesh (bytes per body)"),
           ("compared_per_body", "pairs compared per body and step"))
@@ -33,7 +34,15 @@ def draw(results: Path, out: Path) -> Drawn:
                               if (row["grid"], row["skin"]) == (grid, skin) and row[column] is not None)
                 axis.plot(*zip(*mine) if mine else ((), ()), linestyle="--" if skin else "-",
                           label=f"{grid}, skin {skin:g}", **look(grid))
-            axis.set(xscale="log", yscale="log", xlabel="bodies", ylabel=label)
+            axis.set(xscale="log", xlabel="bodies", ylabel=label)
+            if column == "heap_bytes_per_body":
+                axis.set_ylim(0, 1.1 * BAR_BYTES)
+                axis.axhline(BAR_BYTES, color=GREY, linewidth=0.8, linestyle=":", label="bar")
+            elif column == "compared_per_body":  # 0 where no step searched
+                axis.set_yscale("symlog", linthresh=1e-3)
+                axis.set_ylim(0, 3 * max((row[column] for row in rows), default=1))
+            else:
+                axis.set_yscale("log")
         if rows:
             least = min(rows, key=lambda row: row["ms_per_step"])
             sizes = np.array(sorted({row["particles"] for row in rows}))
@@ -46,15 +55,11 @@ def draw(results: Path, out: Path) -> Drawn:
 
 def measures(point: Point) -> list:
     """One row of the table."""
-    record, bodies = point.record, point.record["scene"]["moving_bodies"]
-    counts, samples = record["counts"], record["samples"]
-    per_step = statistics.median(s["wall_s"] / s["steps"] for s in samples)
-    search = statistics.median((s["phases_s"]["grid"] + s["phases_s"]["detect"]) / s["steps"] for s in samples)
-    compared = counts["candidate_pairs"] / counts["steps"]
-    heap = record["heap_bytes"]
-    return [point.params["grid"], point.params["skin"], bodies, 1e3 * per_step, 1e6 * search / bodies,
-            None if heap is None else heap / bodies, compared / bodies, 1 - compared / (bodies * (bodies - 1) / 2),
-            counts["searches"] / counts["steps"], finding_pairs(point), point.id]
+    number, heap = bodies(point), point.record["heap_bytes"]
+    search = statistics.median((s["phases_s"]["grid"] + s["phases_s"]["detect"]) / s["steps"] for s in point.record["samples"])
+    return [point.params["grid"], point.params["skin"], number, 1e3 * step_s(point), 1e6 * search / number,
+            None if heap is None else heap / number, compared(point), 1 - compared(point) / ((number - 1) / 2),
+            counts_per_step(point)["searches"], finding_pairs(point), point.id]
 
 
 def power_law(points: list[tuple[int, float]]) -> tuple[float, float] | None:

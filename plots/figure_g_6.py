@@ -9,7 +9,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from figure import COLOURS, STYLE, Drawn, command_line
-from grids import finish, finding_pairs
+from grids import bodies, compared, counts_per_step, finding_pairs, finish, foot_inches
 from records import Point, load_sweep
 
 NAME = "figure_g_6"
@@ -25,7 +25,7 @@ def draw(results: Path, out: Path) -> Drawn:
     points = [point for point in sweep.drawn() if finding_pairs(point) is not None]
     shares = [finding_pairs(point) for point in points]
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(10, 2 + 0.45 * len(points)))
+        figure = Figure(figsize=(10, 1.4 + foot_inches(sweep) + 0.45 * len(points)))
         axis = figure.subplots()
         for row, (point, share) in enumerate(zip(points, shares)):
             left = 0.0
@@ -40,7 +40,7 @@ def draw(results: Path, out: Path) -> Drawn:
         if points:
             axis.legend(fontsize=8, ncols=len(PARTS), loc="lower center", bbox_to_anchor=(0.5, 1))
         inch = 1 / figure.get_figheight()
-        figure.subplots_adjust(left=0.24, right=0.97, top=1 - 0.8 * inch, bottom=1.1 * inch)
+        figure.subplots_adjust(left=0.27, right=0.97, top=1 - 0.8 * inch, bottom=(0.6 + foot_inches(sweep)) * inch)
         rows = [[point.params["scene"], point.params["grid"], point.params["skin"], bodies(point),
                  *(f"{part:.5g}" for part in parts(point)), f"{share:.4g}", f"{compared(point):.5g}", point.id]
                 for point, share in zip(points, shares)]
@@ -49,15 +49,6 @@ def draw(results: Path, out: Path) -> Drawn:
 
 def label(point: Point) -> str:
     return f"{point.params['scene']}, {point.params['grid']}, skin {point.params['skin']:g}"
-
-
-def bodies(point: Point) -> int:
-    return point.record["scene"]["moving_bodies"]
-
-
-def compared(point: Point) -> float:
-    """Pairs of bodies whose spheres were compared, per body and step."""
-    return point.record["counts"]["candidate_pairs"] / point.record["counts"]["steps"] / bodies(point)
 
 
 def parts(point: Point) -> list[float]:
@@ -76,7 +67,7 @@ def notes(points: list[Point], shares: list[float]) -> list[str]:
     """Who keeps to the bar, who does not, and with how many contacts."""
     lines = []
     for point, share in zip(points, shares):
-        contacts = point.record["counts"]["contacts"] / point.record["counts"]["steps"] / bodies(point)
+        contacts = counts_per_step(point)["contacts"] / bodies(point)
         lines.append(f"{label(point)}: {100 * share:.1f} % of the step, {'within' if share <= BAR else 'above'} the bar of "
                      f"{100 * BAR:.0f} %, with {contacts:.2g} contacts per body.")
     return lines

@@ -1,15 +1,14 @@
 #!/usr/bin/python3
 """Cells that split in 2^3 or in 3^3: levels, cells, comparisons, structural work and time for each kind of grid."""
 import packages  # noqa: F401, I001: before all that need them
-import statistics
 import sys
 from pathlib import Path
 
 import matplotlib
 from matplotlib.figure import Figure
 
-from figure import COLOURS, STYLE, Drawn, command_line
-from grids import finish
+from figure import COLOURS, GREY, STYLE, Drawn, command_line
+from grids import bodies, compared, counts_per_step, finish, step_s
 from records import Point, load_sweep
 
 NAME = "figure_g_7"
@@ -35,8 +34,11 @@ def draw(results: Path, out: Path) -> Drawn:
                 axis.bar(places, [value.get(case, 0) for case in cases], 0.36, color=COLOURS[number], label=f"k = {k}")
             axis.set_xticks(range(len(cases)), [f"{grid}\n1:{ratio:g}" for ratio, grid in cases], fontsize=8)
             axis.set_title(label)
-            if column == "cells":
+            if column in ("cells", "compared_per_body"):
                 axis.set_yscale("log")
+            elif not any(row[column] for row in rows):
+                axis.set_ylim(0, 1)
+                axis.text(0.5, 0.5, "none in any of these steps", ha="center", color=GREY, transform=axis.transAxes)
         if rows:
             figure.axes[0].legend(fontsize=8)
         figure.subplots_adjust(left=0.05, right=0.98, top=0.9, bottom=0.15, wspace=0.16, hspace=0.36)
@@ -45,12 +47,10 @@ def draw(results: Path, out: Path) -> Drawn:
 
 def measures(point: Point) -> list:
     """One row of the table: means over the steps, the median time of the samples."""
-    counts, bodies = point.record["counts"], point.record["scene"]["moving_bodies"]
-    per_step = {key: value / counts["steps"] for key, value in counts.items()}
-    time = statistics.median(sample["wall_s"] / sample["steps"] for sample in point.record["samples"])
-    return [point.params["size_ratio"], point.params["grid"], point.params["subdivision"], bodies, per_step["levels"],
-            per_step["cells"], per_step["candidate_pairs"] / bodies, per_step["virtual_copies"] / bodies,
-            per_step["refinements"], per_step["coarsenings"], per_step["settled_bodies"], 1e6 * time / bodies, point.id]
+    per_step, number = counts_per_step(point), bodies(point)
+    return [point.params["size_ratio"], point.params["grid"], point.params["subdivision"], number, per_step["levels"],
+            per_step["cells"], compared(point), per_step["virtual_copies"] / number, per_step["refinements"],
+            per_step["coarsenings"], per_step["settled_bodies"], 1e6 * step_s(point) / number, point.id]
 
 
 def notes(rows: list[dict]) -> list[str]:

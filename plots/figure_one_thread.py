@@ -8,7 +8,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from figure import COLOURS, STYLE, Drawn, command_line
-from grids import finish
+from grids import bodies, counts_per_step, finish, foot_inches
 from records import DRAWN, Point, load_sweep
 
 NAME = "figure_one_thread"
@@ -26,7 +26,7 @@ def draw(results: Path, out: Path) -> Drawn:
         problems.setdefault((point.params["particles"], point.params["vertices"]), []).append(point)
     rows, ticks = [], []
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(10, 2.2 + 0.42 * (len(sweep.points) + len(problems))))
+        figure = Figure(figsize=(10, 1.3 + foot_inches(sweep) + 0.42 * (len(sweep.points) + len(problems))))
         axis = figure.subplots()
         place = 0.0
         for points in problems.values():
@@ -38,13 +38,13 @@ def draw(results: Path, out: Path) -> Drawn:
                 place += 1
             place += 0.6
         axis.set_yticks([at for at, _ in ticks], [text for _, text in ticks])
-        axis.invert_yaxis()
+        axis.set_ylim(place - 0.9, -0.7)
         axis.set_xscale("log")
         axis.grid(axis="y", visible=False)
-        axis.margins(x=0.25)
+        axis.set_xlim(right=3 * axis.get_xlim()[1])  # room for the words
         axis.set_xlabel("us per particle and step on one thread: median, least and most; at the right times ours")
         inch = 1 / figure.get_figheight()
-        figure.subplots_adjust(left=0.27, right=0.97, top=1 - 0.5 * inch, bottom=1.15 * inch)
+        figure.subplots_adjust(left=0.27, right=0.97, top=1 - 0.5 * inch, bottom=(0.6 + foot_inches(sweep)) * inch)
         return finish(figure, sweep, out, notes(rows), (HEADER, rows))
 
 
@@ -74,9 +74,9 @@ def row(point: Point, ours: float | None) -> list:
     if point.state != DRAWN:
         return [*first, "", point.state, "", "", "", "", "", point.why, point.id]
     times, peer = point.microseconds(), record.get("peer")
-    contacts = peer["touching_pairs"] if peer else record["counts"]["contacts"] / record["counts"]["steps"]
+    contacts = peer["touching_pairs"] if peer else counts_per_step(point)["contacts"]
     return [*first, peer["version"] if peer else record["build"]["version"], point.state, f"{point.median():.4g}", f"{times[0]:.4g}",
-            f"{times[-1]:.4g}", f"{point.median() / ours:.4g}" if ours else "", f"{contacts / record['scene']['moving_bodies']:.3g}",
+            f"{times[-1]:.4g}", f"{point.median() / ours:.4g}" if ours else "", f"{contacts / bodies(point):.3g}",
             peer["differs"] if peer else "", point.id]
 
 

@@ -31,10 +31,44 @@ def finding_pairs(point: Point) -> float | None:
     return statistics.median((s["phases_s"]["grid"] / s["steps"] + s["search_s"]) * s["steps"] / s["wall_s"] for s in samples)
 
 
+def bodies(point: Point) -> int:
+    """Those that move."""
+    return point.record["scene"]["moving_bodies"]
+
+
+def counts_per_step(point: Point) -> dict[str, float]:
+    """Means over the steps of the last sample."""
+    counts = point.record["counts"]
+    return {key: value / counts["steps"] for key, value in counts.items()}
+
+
+def compared(point: Point) -> float:
+    """Pairs of bodies that were compared, per body and step."""
+    return counts_per_step(point)["candidate_pairs"] / bodies(point)
+
+
+def step_s(point: Point) -> float:
+    """What a step takes (s): median over the samples."""
+    return statistics.median(sample["wall_s"] / sample["steps"] for sample in point.record["samples"])
+
+
+def foot(sweep: Sweep) -> str:
+    """Points that are missing, and where the numbers come from."""
+    return "\n".join([*_absent(sweep)[:4], credit(sweep)])
+
+
+def foot_inches(sweep: Sweep) -> float:
+    """Height of the foot."""
+    return 0.1 + 0.135 * (1 + foot(sweep).count("\n"))
+
+
+def _absent(sweep: Sweep) -> list[str]:
+    return [f"{point.name}: {point.state}{f' ({point.why})' if point.why else ''}"
+            for point in sweep.points if point.record is None or point.state != "finished"]
+
+
 def finish(figure: Figure, sweep: Sweep, out: Path, notes: list[str], table: tuple[list[str], list[list]]) -> Drawn:
     """Title, missing points and origin of the numbers; then SVG, PNG, and the table (header, rows) as CSV."""
-    absent = [f"{point.name}: {point.state}{f' ({point.why})' if point.why else ''}"
-              for point in sweep.points if point.record is None or point.state != "finished"]
     figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
-    figure.text(0.5, 0.008, "\n".join([*absent[:4], credit(sweep)]), ha="center", va="bottom", fontsize=7.5, color=GREY)
-    return save(figure, Drawn(sweep.name, sweep, out, [*absent, *notes]), *table)
+    figure.text(0.5, 0.008, foot(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
+    return save(figure, Drawn(sweep.name, sweep, out, [*_absent(sweep), *notes]), *table)
