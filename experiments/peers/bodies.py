@@ -5,6 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+# Of its halo, that a moving mesh grows by: sharp corners come out further than round halos, and so as many bodies touch.
+SHARE_OF_HALO = .98
+
 
 @dataclass(frozen=True)
 class Mesh:
@@ -51,7 +54,7 @@ def _shape(body: dict) -> float | Mesh:
     shape, halo = body["shape"], body["halo_m"]
     if "radius_m" in shape:
         return shape["radius_m"] + halo
-    return grown(Mesh(np.array(shape["points_m"]), np.array(shape["faces"])), halo)
+    return grown(Mesh(np.array(shape["points_m"]), np.array(shape["faces"])), halo if body["fixed"] else SHARE_OF_HALO * halo)
 
 
 def grown(mesh: Mesh, halo: float) -> Mesh:

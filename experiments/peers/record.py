@@ -11,7 +11,7 @@ from peers.outcome import Outcome
 DENSITY = 1000       # kg/m3, of all built-in scenes
 OTHER_CONTACTS = .2  # share of ours by which the number of touching pairs may differ
 OTHER_PLACES = .1    # radii by which half of the bodies may be elsewhere
-OTHER_FALL = .01     # radii that a body falls to be as much faster than ours as allowed
+OTHER_FALL = .05     # radii that a body falls to be as much faster than ours as allowed
 
 
 def record_of(options: argparse.Namespace, ours: dict, start: Bodies, end: Bodies, outcome: Outcome) -> dict:

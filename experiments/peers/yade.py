@@ -13,9 +13,9 @@ from peers.outcome import Outcome, Run, Unable
 PROGRAM = "yade"
 OF_SPHERES = ("the same linear spring, dashpot and Coulomb friction; radii include the halo, so that the levers of friction and the "
               "moments of inertia are larger; tangential springs start from 0")
-OF_GRAINS = ("convex hulls grown by the halo, with corners where our halos are round, so that a tenth more pairs touch; the force is "
+OF_GRAINS = ("convex hulls grown by .98 of the halo, with corners where our halos are round; the force is "
              "proportional to the volume of overlap and acts at its centre, one contact for each pair; no dashpot, instead global damping of .3; tangential springs start from 0")
-GLOBAL_DAMPING = 0.3  # of polyhedra, as YADE's own examples have it
+GLOBAL_DAMPING, WHILE_SETTLING = 0.3, 0.8  # of polyhedra, as YADE's own examples have it; and in the warm-up
 
 
 def run(bodies: Bodies, wanted: Run, folder: Path) -> Outcome:
@@ -58,9 +58,9 @@ def _shapes(bodies: Bodies) -> dict:
         k, zeta, m = bodies.stiffness, bodies.damping_ratio, bodies.mass[0]
         normal = 2 * zeta * math.sqrt(k * m / 2)
         ratio = bodies.tangential_ratio
-        return {"radius": list(bodies.shapes), "damping": 0,
+        return {"radius": list(bodies.shapes), "damping": 0, "damping_of_warmup": 0,
                 "material": {"kn": 2 * k, "ks": 2 * k * ratio, "cn": 2 * normal, "cs": 2 * normal * math.sqrt(ratio)}}
     # as stiff as our springs where a face of the square of the mean radius is in contact; its modulus is half of young
     radius = np.cbrt(3 / (4 * math.pi) * np.mean(bodies.mass) / 1000)
-    return {"points": [mesh.points.tolist() for mesh in bodies.shapes], "damping": GLOBAL_DAMPING,
+    return {"points": [mesh.points.tolist() for mesh in bodies.shapes], "damping": GLOBAL_DAMPING, "damping_of_warmup": WHILE_SETTLING,
             "material": {"young": 2 * bodies.stiffness / radius ** 2}}

@@ -29,10 +29,11 @@ O.bodies.append([polyhedra_utils.polyhedra(material, v=points, fixed=True) for p
 O.bodies.append([utils.facet(corners, material=material, fixed=True) for wall in task["walls"] for corners in wall])
 start = [grain.state.pos for grain in grains]
 O.engines = [ForceResetter(), InsertionSortCollider(bounds, verletDist=task["skin_m"]), InteractionLoop(shapes, [physics], [law]),
-             NewtonIntegrator(damping=task["damping"], gravity=task["gravity"])]
+             NewtonIntegrator(damping=task["damping_of_warmup"], gravity=task["gravity"], label="newton")]
 O.dt = task["step_s"]
 if task["warmup"]:  # 0 would mean without end
     O.run(task["warmup"], True)
+newton.damping = task["damping"]
 wall_s = []
 for _ in range(task["repeats"]):
     begin = time.perf_counter()
