@@ -50,10 +50,12 @@ def import_ini(path: Path) -> tuple[dict[str, Any], list[str]]:
         raise InputError(f"there is no [{PLAIN}] ({path.name}). Is it an option file of a sweep?")
     notes = [f"section [{name}] is left out" for name in parser.sections() if name not in (PLAIN, GROUPED)]
     spec: dict[str, Any] = {"title": path.stem, "about": f"Imported from {path.name}.", "fixed": {}, "axes": {}}
-    for key, values in _entries(parser, PLAIN, path, notes).items():
-        spec["fixed" if len(values) == 1 else "axes"][key] = values[0] if len(values) == 1 else values
-    if grouped := _entries(parser, GROUPED, path, notes):
+    alone = {key: list(dict.fromkeys(values)) for key, values in _entries(parser, PLAIN, path, notes).items()}
+    grouped = _entries(parser, GROUPED, path, notes)
+    if len(grouped) > 1:
         spec["zip"] = [grouped]
+    for key, values in (alone if len(grouped) > 1 else {**alone, **grouped}).items():
+        spec["fixed" if len(values) == 1 else "axes"][key] = values[0] if len(values) == 1 else values
     return spec, notes
 
 
@@ -68,7 +70,7 @@ def _entries(parser: configparser.ConfigParser, section: str, path: Path, notes:
         if key not in KEYS and key not in KEYS.values() and key != "particles":
             raise InputError(f"unknown option '{key}' ({where}). {nearest(key, [*KEYS, *NO_COUNTERPART])}")
         ours = key_here(key)
-        found[ours] = list(dict.fromkeys(value_here(ours, _number(word)) for word in words))
+        found[ours] = [value_here(ours, _number(word)) for word in words]
         particles = [PARTICLES[word] for word in words if word in PARTICLES]
         if particles and len(words) == 1:
             found["particles"] = particles

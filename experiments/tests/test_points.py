@@ -123,6 +123,10 @@ def test_an_option_file_of_the_ancestor_becomes_a_spec(bench):
     assert [point.params for point in expand(read_spec(bench.spec))] == [
         {"scene": "hopper", "particles": 1000, "steps": 100, "grid": grid, "threads": t, "vertices": v}
         for grid in ("regular", "reluctant") for t, v in ((1, 10), (2, 20))]
+    ini.write_text("[parameters]\nscenario = hopper\n[parameters_grouped]\ntbb-core-count = 1, 1, 2\nmesh-density = 10, 20, 10\n")
+    assert import_ini(ini)[0]["zip"] == [{"threads": [1, 1, 2], "vertices": [10, 20, 10]}], "what advances together keeps its rows"
+    ini.write_text("[parameters]\nscenario = hopper\n[parameters_grouped]\ntbb-core-count = 1, 2\n")
+    assert import_ini(ini)[0]["axes"] == {"threads": [1, 2]}, "one list alone is an axis"
     for text, message in (("[parameters]\ngrid-typ = x\n", "Did you mean 'grid-type'?"), ("grid = x\n", "no option file"),
                           ("[jobs]\na = b\n", "there is no [parameters]")):
         ini.write_text(text)
