@@ -10,14 +10,15 @@ ROOT = Path(__file__).resolve().parents[2]
 LAYERS = {"kernels": {"kernels"}, "dem": {"kernels", "dem"}, "experiments": {"kernels", "dem", "experiments"}}
 
 # Parts of dem, each of one or more files, and the parts they may see beside themselves.
-PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "shape_file", "shape_features"}, "scene": {"scene", "scenes", "load_scene", "critical_step", "hertz"},
+PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "mesh_defects", "shape_file", "shape_features"}, "scene": {"scene", "scenes", "load_scene", "critical_step", "hertz"},
          "particles": {"particles"}, "grid": {"grid", "grid_kind", "grid_pairs", "grid_projection", "spacetree", "dense_grid", "pair_source", "sphere_array",
                   "verlet_list"}, "contact": {"contact"},
          "contact_rule": {"contact_rule", "feature_contacts"}, "narrow_phase": {"narrow_phase"}, "runtime": {"runtime"}, "contact_list": {"contact_list"},
          "scheme": {"scheme"}, "forces": {"forces"}, "motion": {"motion"}, "step_stats": {"step_stats"},
          "simulation": {"simulation"}, "random": {"random"}, "step_size": {"step_size"}, "loads": {"loads"},
          "phase_observer": {"phase_observer"}, "contact_step_limit": {"contact_step_limit"}, "contact_law": {"contact_law"},
-         "budget": {"budget"}, "json_reader": {"json_reader"}, "block_sum": {"block_sum"}, "fast_bodies": {"fast_bodies"}}
+         "budget": {"budget"}, "json_reader": {"json_reader"}, "block_sum": {"block_sum"}, "fast_bodies": {"fast_bodies"},
+         "watch": {"watch"}}
 BASE = {"mesh": {"random"}, "scene": {"mesh", "random", "json_reader"}, "particles": {"scene", "mesh"}, "random": set(),
         "json_reader": set(), "loads": set(), "step_stats": set(), "phase_observer": {"step_stats"}, "runtime": {"phase_observer", "step_stats"}}
 MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime", "step_stats"}, "contact": set(), "contact_rule": {"contact", "particles", "mesh"},
@@ -30,6 +31,7 @@ MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime", "step_stats"}, "cont
                   "motion": {"particles", "contact", "scene", "loads"},
                   "fast_bodies": {"particles"},
                   "step_size": {"grid", "particles", "loads", "fast_bodies"},
+                  "watch": {"budget", "contact_list", "contact_step_limit", "fast_bodies", "forces", "particles", "runtime", "step_stats"},
                   "simulation": set(PARTS) - {"simulation"}}
 
 
