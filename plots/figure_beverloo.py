@@ -38,7 +38,7 @@ def draw(results: Path, out: Path) -> Drawn:
                 with_quartiles(change, changes, **style)
                 most = max((float(np.median(group)) for group in changes.values()), key=abs)
                 notes.append(f"{name}: the flow from 45 to 70 % emptied differs from that before by {most:+.0f} % at most (median of "
-                             "the seeds), where 3 % are asked for; 300 grains fill little more than the funnel.")
+                             "the seeds), where 3 % are asked for; the last 30 % of the grains fill little more than the funnel.")
             stiff = ensembles(sweep, kind, 4)
             for opening in set(stiff) & set(found):
                 with_quartiles(flow, {opening: [w**0.4 for w, _ in stiff[opening]]},
