@@ -41,7 +41,7 @@ def draw(results: Path, out: Path) -> Drawn:
         axis.set_ylim(place - 0.9, -0.7)
         axis.set_xscale("log")
         axis.grid(axis="y", visible=False)
-        axis.set_xlim(right=3 * axis.get_xlim()[1])  # room for the words
+        axis.set_xlim(right=6 * axis.get_xlim()[1])  # room for the words
         axis.set_xlabel("us per particle and step on one thread: median, least and most; at the right times ours")
         inch = 1 / figure.get_figheight()
         figure.subplots_adjust(left=0.27, right=0.97, top=1 - 0.5 * inch, bottom=(0.6 + foot_inches(sweep)) * inch)
