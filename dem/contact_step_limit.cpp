@@ -37,7 +37,8 @@ void ContactStepLimit::couple(const Particles& p, const ContactParameters& law, 
                        c.share * s.tangent,
                        c.share * kt,
                        s.damping,
-                       std::sqrt(kt / s.tangent) * s.damping};
+                       std::sqrt(kt / s.tangent) * s.damping,
+                       s.damping / (2 * c.share * c.mass)};
     }
   });
 }
@@ -51,9 +52,10 @@ ContactStepLimit::Mode ContactStepLimit::stretch(double h, Team& team) {
       const Twist &u = twist_[each.a], &w = twist_[each.b];
       const Vector3d v = scale_ * (u.linear + u.angular.cross(each.arm_a) - w.linear - w.angular.cross(each.arm_b));
       const Vector3d n = v.dot(each.normal) * each.normal, t = v - n;
+      const double less = 1 / std::sqrt(1 + h * each.rate), cn = less * each.c, ct = less * each.ct;
       sum.k += each.k * n.squaredNorm() + each.kt * t.squaredNorm();
-      sum.c += each.c * n.squaredNorm() + each.ct * t.squaredNorm();
-      const double wn = h > 0 ? h * each.k + 2 * each.c : each.k, wt = h > 0 ? h * each.kt + 2 * each.ct : each.kt;
+      sum.c += cn * n.squaredNorm() + ct * t.squaredNorm();
+      const double wn = h > 0 ? h * each.k + 2 * cn : each.k, wt = h > 0 ? h * each.kt + 2 * ct : each.kt;
       force_[i] = wn * n + wt * t;
     }
   });

@@ -6,10 +6,11 @@
 
 namespace trigrain {
 
-/// Largest step (s) at which symplectic Euler is stable with these contacts: h^2 K + 2 h C has no eigenvalue above 4 M.
-/// Springs and dashpots of all contacts together, normal and tangential; by power iteration, from above: to a part in a
-/// thousand after 200 rounds, to some per cent after 30. Infinite without contacts. The same bits for every team. Its
-/// memory is as large as that of the contacts, so it is not kept: few steps ask.
+/// Largest step (s) at which symplectic Euler is stable with these contacts: h^2 K + 2 h C has no eigenvalue above 4 M,
+/// C with dashpots as this step takes them. Springs and dashpots of all contacts together, normal and tangential; by
+/// power iteration, from above: to a part in a thousand after 200 rounds, to some per cent after 30. Infinite without
+/// contacts. The same bits for every team. Its memory is as large as that of the contacts, so it is not kept: few steps
+/// ask.
 class ContactStepLimit {
  public:
   double of(const Particles& particles, const ContactParameters& law, const ContactList& contacts, Team& team,
@@ -26,6 +27,7 @@ class ContactStepLimit {
     int a, b;
     Vector3d arm_a, arm_b, normal;
     double k, kt, c, ct;
+    double rate; // by which, times the step, a dashpot is taken smaller (1/s)
   };
   /// v.K v, v.C v, v.M v of a mode v, and its largest speed.
   struct Mode {

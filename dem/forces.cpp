@@ -46,6 +46,21 @@ double fastest_stopped_squared(const ContactParameters& parameters, const Contac
   return 2 * std::max(0., all - energy) / (c.share * c.mass); // what a share leaves out, other contacts hold
 }
 
+/// The dashpot's coefficient (kg/s) in this step, so that the rebound is right to second order in the step. Velocities
+/// are those of half a step ago: with the force that has acted since, spring and dashpot are stiffer by 1 + z, which a
+/// dashpot smaller by the root of that makes up for. A contact that opened since the last step has pressed for the part
+/// of a step that its overlap tells, at first with a dashpot that grows as overlap to the power q.
+double dashpot(const Spring& s, const Contact& c, const HeldSpring& tangential, double separation_speed,
+               double step_s) {
+  const double z = s.damping * step_s / (2 * c.share * c.mass), way = -separation_speed * step_s;
+  const bool opens = tangential.stiffness == 0 && c.overlap < way;
+  if (!opens) return s.damping / std::sqrt(1 + z);
+  double part = .5 + c.overlap / way;
+  const double q = (s.tangent / s.secant - 1) / 2;
+  if (q > 0) part *= std::pow(part * way / c.overlap, q) / (1 + q);
+  return part * s.damping / (1 + part * z);
+}
+
 } // namespace
 
 FastContact fast_contact(const Particles& p, const ContactParameters& parameters, const Contact& c, double time) {
@@ -64,11 +79,12 @@ void contact_forces(const Particles& p, std::span<const Vector3d> spin, const Co
     HeldSpring& tangential = springs[i];
     const Spring s = law.spring(parameters, p, c, c.overlap);
     const double k = s.secant, kt = s.tangential;
-    const double damping_t = s.damping * std::sqrt(kt / s.tangent);
     const Vector3d relative = velocity_at(p, c.a, spin[c.a], c.point) - velocity_at(p, c.b, spin[c.b], c.point);
     const double separation_speed = relative.dot(c.normal);
+    const double damping = dashpot(s, c, tangential, separation_speed, step_s);
+    const double damping_t = damping * std::sqrt(kt / s.tangent);
     const double pressed = c.push.dot(c.normal);
-    const double f_n = std::max(0., k * pressed - s.damping * separation_speed);
+    const double f_n = std::max(0., k * pressed - damping * separation_speed);
     const Vector3d slip = relative - separation_speed * c.normal;
     const double held = tangential.stiffness / 2 * tangential.stretch.squaredNorm();
     Vector3d spring = (kt > 0 ? turned_spring(tangential, c.normal, kt) : Vector3d::Zero()) + step_s * slip;

@@ -49,7 +49,7 @@ def notes(sweep) -> list[str]:
     return [*(f"{line.label}: the error falls with N to the power {slope(sweep, line):.2f} (expected {order})."
               for line, order in zip(undamped, [*(order for _, order in LINES.values()), 1.0])),
         "20 steps per contact keep the restitution of an undamped impact within 0.3 %, 50 within 0.05 %.",
-        f"Damped, e = 0.5: powers {damped}. Dashpots see the velocity half a step ago and set in with a jump, somewhere in a step."]
+        f"Damped, e = 0.5: powers {damped}."]
 
 
 def draw(results: Path, out: Path) -> Drawn:

@@ -110,6 +110,17 @@ TEST(Stability, TheErrorOfReboundsFallsWithTheOrderOfTheLaw) {
   expect_within("rebound", {.steps_per_contact = 20.3});
 }
 
+TEST(Stability, TheErrorOfDampedReboundsFallsWithTheSquareOfTheStep) {
+  const auto error = [&](const char* law, double steps, const char* of) {
+    return metric("rebound", {.law = law, .value = .6, .steps_per_contact = steps}, of);
+  };
+  const char* mean = "mean_restitution_error";
+  EXPECT_NEAR(std::log(error("spring-dashpot", 40.3, mean) / error("spring-dashpot", 320.3, mean)) / std::log(8), 2,
+              .1);
+  for (const char* law : {"spring-dashpot", "hertz-mindlin"})
+    EXPECT_LT(error(law, 40.3, "restitution_error"), 1.5e-3) << law;
+}
+
 TEST(Stability, NothingPassesThroughBelowTheResponseLimitOrInSilence) {
   for (const char* control : {"fixed", "approach"})
     for (const double value : {.5, .99, 1.01, 3.}) {
