@@ -1,5 +1,4 @@
 #include "dem/contact_rule.hpp"
-#include "dem/feature_contacts.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -27,6 +26,8 @@ double inverse_mass(const Particles& p, int i, const Vector3d& force, const Vect
   return p.inverse_mass[i] * force.squaredNorm() + t.cwiseQuotient(p.inertia[i]).dot(t);
 }
 
+} // namespace
+
 /// The springs of a pair hold k s^2 / 2 with s^2 = sum share overlap^2. Along s the pair is one spring of stiffness k;
 /// dashpots for the effective mass along s give every contact the damping ratio that was asked for: one corner far from
 /// the centre of mass, an edge, or a face on all its corners.
@@ -45,13 +46,15 @@ void set_collective_mass(const Particles& p, std::span<Touch> contacts) {
   for (Touch& c : contacts) c.mass = mass;
 }
 
+bool by_features(const Touch& l, const Touch& r) {
+  return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
+}
+
+namespace {
+
 void keep_all(const Particles& p, Contacts& contacts, std::size_t first) {
   set_springs(from(contacts, first));
   set_masses_of_bodies(p, from(contacts, first));
-}
-
-bool by_features(const Touch& l, const Touch& r) {
-  return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
 }
 
 double shortest_edge(const Particles& p, int body, int triangle) {
@@ -103,22 +106,13 @@ void keep_nearest(const Particles& p, Contacts& contacts, std::size_t first) {
   set_collective_mass(p, from(contacts, first));
 }
 
-/// Curved bodies touch at a point.
-void keep_features_or_nearest(const Particles& p, Contacts& contacts, std::size_t first) {
-  const auto touches_at_a_point = [&](int i) { return p.is_sphere(i) || p.mesh[i]->features.curved; };
-  if (touches_at_a_point(contacts[first].a) || touches_at_a_point(contacts[first].b))
-    return keep_nearest(p, contacts, first);
-  keep_features(p, contacts, first);
-  if (contacts.size() > first) set_collective_mass(p, from(contacts, first));
-}
-
 constexpr ContactRule table[] = {
-    {"all-pairs", "every touching triangle pair is a contact (Krestenitis 2018)", keep_all},
-    {"dedupe", "the same without those nearer to a deeper one than their shortest edge (Krestenitis 2018)",
+    {"all-pairs", "every touching triangle pair is a contact (Krestenitis 2018)", false, keep_all},
+    {"dedupe", "the same without those nearer to a deeper one than their shortest edge (Krestenitis 2018)", false,
      drop_close_ones},
-    {"nearest", "one contact per pair of connected surface pieces, where they are closest", keep_nearest},
+    {"nearest", "one contact per pair of connected surface pieces, where they are closest", false, keep_nearest},
     {"features", "corners against the other body, edges against edges, however faces are cut; curved bodies as nearest",
-     keep_features_or_nearest},
+     true, keep_nearest},
 };
 
 } // namespace

@@ -11,11 +11,18 @@ namespace trigrain {
 struct ContactRule {
   std::string_view name;
   std::string_view about;
+  bool of_features; ///< two meshes, neither of them curved, touch by corners and edges instead of triangles
   /// Reduces contacts[first...], all of one body pair in the order of (feature_a, feature_b), which are triangles (0
   /// for spheres), and sets their spring (`push`, `couple`, `share`) and `mass`. May find that none is left.
   void (*reduce)(const Particles& particles, std::vector<Touch>& contacts, std::size_t first);
 };
 
 std::span<const ContactRule> contact_rules();
+
+/// By (feature_a, feature_b).
+bool by_features(const Touch& l, const Touch& r);
+
+/// Sets the mass of all contacts of a body pair.
+void set_collective_mass(const Particles& particles, std::span<Touch> contacts);
 
 } // namespace trigrain

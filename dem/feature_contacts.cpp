@@ -1,13 +1,13 @@
 #include "dem/feature_contacts.hpp"
+#include "dem/contact_rule.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/placement.hpp"
 #include "kernels/point_triangle.hpp"
 #include "kernels/segment.hpp"
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 
 namespace trigrain {
 namespace {
@@ -18,155 +18,19 @@ using Point = Vec3<double>;
 Point vec3(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Vector3d eigen(const Point& v) { return {v.x, v.y, v.z}; }
 
-/// Axis-parallel box of a triangle or an edge.
-struct Box {
-  Point low, high;
-  void extend(const Point& x) {
-    low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
-    high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
-  }
-  bool near(const Box& o, double reach) const {
-    return (low.x - o.high.x <= reach) & (o.low.x - high.x <= reach) & (low.y - o.high.y <= reach) &
-           (o.low.y - high.y <= reach) & (low.z - o.high.z <= reach) & (o.low.z - high.z <= reach);
-  }
-};
-
-template <class T> Vec3<T> in_all_lanes(const Point& x) {
-  return {broadcast<T>(x.x), broadcast<T>(x.y), broadcast<T>(x.z)};
-}
-
-/// Pairs of points, the ends of edges or of boxes, as structure of arrays: one box is compared with many at once.
-class PointPairs {
- public:
-  void clear() { size_ = 0; }
-  void push_back(const Point& first, const Point& second) {
-    if (size_ + lane_count > static_cast<int>(column_[0].size())) // the last pack may reach beyond
-      for (auto& column : column_) column.resize(size_ + 8 * lane_count);
-    const std::array<double, 6> x{first.x, first.y, first.z, second.x, second.y, second.z};
-    for (int k = 0; k < 6; ++k) column_[k][size_] = x[k];
-    ++size_;
-  }
-  /// Calls visit(j) for the pairs whose box is within reach of `box` (m) in every direction and for which
-  /// also(first points, second points) is true, in order.
-  template <class Also, class Visit>
-  void for_near(const Box& box, double reach, const Also& also, const Visit& visit) const {
-    const Vec3<Lanes> low = in_all_lanes<Lanes>(box.low - Point{reach, reach, reach}),
-                      high = in_all_lanes<Lanes>(box.high + Point{reach, reach, reach});
-    for (int at = 0; at < size_; at += lane_count) {
-      const Vec3<Lanes> x = points(0, at), y = points(3, at);
-      unsigned near = bits_of((min(x.x, y.x) <= high.x) & (max(x.x, y.x) >= low.x) & (min(x.y, y.y) <= high.y) &
-                              (max(x.y, y.y) >= low.y) & (min(x.z, y.z) <= high.z) & (max(x.z, y.z) >= low.z));
-      if (size_ - at < lane_count) near &= (1u << (size_ - at)) - 1;
-      if (near != 0) near &= bits_of(also(x, y));
-      for (; near != 0; near &= near - 1) visit(at + std::countr_zero(near));
-    }
-  }
-
- private:
-  Vec3<Lanes> points(int k, int at) const {
-    return {load<Lanes>(&column_[k][at]), load<Lanes>(&column_[k + 1][at]), load<Lanes>(&column_[k + 2][at])};
-  }
-  std::array<std::vector<double>, 6> column_;
-  int size_ = 0;
-};
-
-struct Corner {
-  int vertex;
-  Point x;
-};
-struct Edge {
-  int index;
+struct Segment {
   Point x0, x1;
-  Box box;
-};
-struct Facet {
-  int part;
-  Corners<double> x;
-  Box box;
 };
 
-/// Which of many numbers have been met since clear(), without clearing memory.
-class Met {
- public:
-  void clear(std::size_t count) {
-    if (when_.size() < count) when_.resize(count, 0);
-    ++now_;
-  }
-  bool first_time(int i) {
-    const bool first = when_[i] != now_;
-    when_[i] = now_;
-    return first;
-  }
-
- private:
-  std::vector<std::uint64_t> when_;
-  std::uint64_t now_ = 0;
-};
-
-/// What one body of a pair has near the other one, in the frame of A.
-struct Side {
-  const Mesh* mesh;
-  std::vector<int> faces;
-  std::vector<Facet> facets;
-  std::vector<Corner> corners;
-  std::vector<Edge> edges;
-  PointPairs boxes, ends; ///< of the facets, of the edges
-  Box box;                ///< of all facets
-
-  /// Fills facets and box from `faces`, which are sorted here; place(vertex) is where a vertex is.
-  template <class Place> void gather_facets(const Place& place) {
-    std::sort(faces.begin(), faces.end());
-    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-    facets.clear(), boxes.clear();
-    placed_.clear(mesh->vertices.size());
-    at_.resize(std::max(at_.size(), mesh->vertices.size()));
-    for (const int f : faces) {
-      Facet& facet = facets.emplace_back(Facet{mesh->part[f], {}, {}});
-      for (int k = 0; k < 3; ++k) facet.x[k] = at(mesh->faces[f][k], place);
-      facet.box = {facet.x[0], facet.x[0]};
-      facet.box.extend(facet.x[1]), facet.box.extend(facet.x[2]);
-      boxes.push_back(facet.box.low, facet.box.high);
-      if (facets.size() == 1) box = facet.box;
-      box.extend(facet.box.low), box.extend(facet.box.high);
-    }
-  }
-
-  /// Fills corners and edges: those of the facets that are near the other body's facets.
-  template <class Place> void gather_features(const Place& place, const Box& other, double reach) {
-    const ShapeFeatures& features = mesh->features;
-    corners.clear(), edges.clear(), ends.clear();
-    met_corner_.clear(mesh->vertices.size()), met_edge_.clear(features.edges.size());
-    for (const int f : faces) {
-      for (const int v : features.corner_of[f])
-        if (v >= 0 && met_corner_.first_time(v))
-          if (const Point x = at(v, place); other.near({x, x}, reach)) corners.push_back({v, x});
-      for (const int e : features.edge_of[f]) {
-        if (e < 0 || !met_edge_.first_time(e)) continue;
-        const auto [v0, v1] = features.edges[e];
-        Edge edge{e, at(v0, place), at(v1, place), {}};
-        edge.box = {edge.x0, edge.x0};
-        edge.box.extend(edge.x1);
-        if (!other.near(edge.box, reach)) continue;
-        edges.push_back(edge);
-        ends.push_back(edge.x0, edge.x1);
-      }
-    }
-  }
-
- private:
-  template <class Place> const Point& at(int vertex, const Place& place) {
-    if (placed_.first_time(vertex)) at_[vertex] = place(vertex);
-    return at_[vertex];
-  }
-
-  Met placed_, met_corner_, met_edge_;
-  std::vector<Point> at_;
-};
+/// Names of features that neither cut nor order of the faces can change within one mesh: corners by vertex, edges
+/// after them, whole pieces of surface below 0.
+int piece_name(int part) { return -1 - part; }
+int edge_name(const Mesh& mesh, int edge) { return static_cast<int>(mesh.vertices.size()) + edge; }
 
 /// Writes contacts found in the frame of A into the world's.
 class Writer {
  public:
-  Writer(const Particles& p, const Touch& pair, std::vector<Touch>& contacts)
+  Writer(const Particles& p, BodyPair pair, std::vector<Touch>& contacts)
       : a_(pair.a), b_(pair.b), place_(p.contact_place(a_, b_)), origin_(p.position[a_]),
         turn_(p.orientation[a_].toRotationMatrix()), contacts_(contacts) {}
 
@@ -195,42 +59,40 @@ class Writer {
   std::vector<Touch>& contacts_;
 };
 
-/// Names of features that neither cut nor order of the faces can change within one mesh: corners by vertex, edges
-/// after them, whole pieces of surface below 0.
-int piece_name(int part) { return -1 - part; }
-int edge_name(const Side& side, int edge) { return static_cast<int>(side.mesh->vertices.size()) + edge; }
-
-/// Every corner against each piece of the other body, where that is nearest.
-void corners_against(const Side& mine, const Side& other, bool mine_is_a, double reach, Writer& writer) {
+/// Every corner of one body against each piece of the other one's surface, where that is nearest. `at`: where the
+/// vertices of Side are.
+void corners_against(const FeaturePairs::Side& mine, const std::vector<Point>& my_at, const FeaturePairs::Side& theirs,
+                     const std::vector<Point>& their_at, std::span<const FeaturePairs::Pair> pairs, bool mine_is_a,
+                     double reach, Writer& writer) {
   struct Nearest {
     int part;
     double d2;
     Point from_corner;
   };
   static thread_local std::vector<Nearest> nearest;
-  for (const Corner& corner : mine.corners) {
+  for (std::size_t i = 0; i < pairs.size();) {
+    const auto& [at, vertex] = mine.corners[pairs[i].first];
+    const Point x = my_at[at];
     nearest.clear();
-    const auto every_one = [](const Vec3<Lanes>& low, const Vec3<Lanes>&) { return low.x == low.x; };
-    other.boxes.for_near({corner.x, corner.x}, reach, every_one, [&](int i) {
-      const Facet& facet = other.facets[i];
-      const Corners<double> seen{facet.x[0] - corner.x, facet.x[1] - corner.x, facet.x[2] - corner.x};
+    for (const int corner = pairs[i].first; i < pairs.size() && pairs[i].first == corner; ++i) {
+      const auto& [v, part] = theirs.facets[pairs[i].second];
+      const Corners<double> seen{their_at[v[0]] - x, their_at[v[1]] - x, their_at[v[2]] - x};
       const Point from = closest_on_triangle_by_zones({0, 0, 0}, seen).point;
       const double d2 = squared(from);
-      if (d2 >= reach * reach) return;
-      const auto known =
-          std::find_if(nearest.begin(), nearest.end(), [&](const Nearest& n) { return n.part == facet.part; });
+      if (d2 >= reach * reach) continue;
+      const auto known = std::find_if(nearest.begin(), nearest.end(), [&](const Nearest& n) { return n.part == part; });
       if (known == nearest.end())
-        nearest.push_back({facet.part, d2, from});
+        nearest.push_back({part, d2, from});
       else if (d2 < known->d2)
-        *known = {facet.part, d2, from};
-    });
+        *known = {part, d2, from};
+    }
     for (const Nearest& n : nearest) {
       if (n.d2 == 0) continue; // crossing: the kernel has counted it
-      const Vector3d x = eigen(corner.x), y = x + eigen(n.from_corner);
+      const Vector3d mine_x = eigen(x), y = mine_x + eigen(n.from_corner);
       if (mine_is_a)
-        writer.add(corner.vertex, piece_name(n.part), x, y, reach);
+        writer.add(vertex, piece_name(n.part), mine_x, y, reach);
       else
-        writer.add(piece_name(n.part), corner.vertex, y, x, reach);
+        writer.add(piece_name(n.part), vertex, y, mine_x, reach);
     }
   }
 }
@@ -256,17 +118,8 @@ EndOverlap end_overlap(const Point& on_a, const Point& on_b, double reach) {
   return {reach - distance, eigen(on_a), pq / distance};
 }
 
-/// Whether edges x0 x1 and y0 y1 are closest between their ends and within reach (m), but for rounding: without a
-/// division.
-template <class T>
-MaskOf<T> may_cross(const Vec3<T>& x0, const Vec3<T>& x1, const Vec3<T>& y0, const Vec3<T>& y1, double reach) {
-  const Vec3<T> u = x1 - x0, v = y1 - y0, r = y0 - x0, n = cross(u, v);
-  const T nn = squared(n), height = dot(r, n), s = dot(cross(r, v), n), t = dot(cross(r, u), n), none = constant<T>(0);
-  return (s > none) & (s < nn) & (t > none) & (t < nn) & (height * height < constant<T>(reach * reach) * nn);
-}
-
 /// The term X of one pair of edges, and half its negative gradient: push and couple about P.
-void edges_cross(int feature_a, int feature_b, const Edge& e, const Edge& f, double reach, Writer& writer) {
+void edges_cross(int feature_a, int feature_b, const Segment& e, const Segment& f, double reach, Writer& writer) {
   const auto [s, t] = closest_on_segments(e.x0, e.x1, f.x0, f.x1);
   if (!(s > 0 && s < 1 && t > 0 && t < 1)) return;
   const Vector3d u = eigen(e.x1 - e.x0), v = eigen(f.x1 - f.x0);
@@ -302,41 +155,68 @@ void edges_cross(int feature_a, int feature_b, const Edge& e, const Edge& f, dou
   writer.add(feature_a, feature_b, p, q, reach, share, push, couple);
 }
 
+/// Edges as structure of arrays: one is compared with a pack of them at once.
+class Edges {
+ public:
+  void place(std::span<const FeaturePairs::Edge> edges, const std::vector<Point>& at) {
+    const std::size_t packs = (edges.size() + lane_count - 1) / lane_count;
+    if (column_[0].size() < packs * lane_count)
+      for (auto& column : column_) column.resize(2 * packs * lane_count);
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      const Point &x = at[edges[i].from], &y = at[edges[i].to];
+      const std::array<double, 6> ends{x.x, x.y, x.z, y.x, y.y, y.z};
+      for (int k = 0; k < 6; ++k) column_[k][i] = ends[k];
+    }
+    size_ = static_cast<int>(edges.size());
+  }
+  /// Bits of the edges first, first + 1, ... that are closest to `e` between their ends and within reach (m), but for
+  /// rounding: without a division.
+  unsigned may_cross(const Segment& e, int first, double reach) const {
+    const auto points = [&](int k) {
+      return Vec3<Lanes>{load<Lanes>(&column_[k][first]), load<Lanes>(&column_[k + 1][first]),
+                         load<Lanes>(&column_[k + 2][first])};
+    };
+    const auto all = [](const Point& x) {
+      return Vec3<Lanes>{broadcast<Lanes>(x.x), broadcast<Lanes>(x.y), broadcast<Lanes>(x.z)};
+    };
+    const Vec3<Lanes> y0 = points(0), u = all(e.x1 - e.x0), v = points(3) - y0, r = y0 - all(e.x0), n = cross(u, v);
+    const Lanes nn = squared(n), height = dot(r, n), s = dot(cross(r, v), n), t = dot(cross(r, u), n),
+                none = broadcast<Lanes>(0);
+    const unsigned cross = bits_of((s > none) & (s < nn) & (t > none) & (t < nn) &
+                                   (height * height < broadcast<Lanes>(reach * reach) * nn));
+    return size_ - first < lane_count ? cross & ((1u << (size_ - first)) - 1) : cross;
+  }
+
+ private:
+  std::array<std::vector<double>, 6> column_; // m
+  int size_ = 0;
+};
+
 } // namespace
 
-void keep_features(const Particles& particles, std::vector<Touch>& contacts, std::size_t first) {
-  static thread_local Side a, b; // scratch memory that has grown stays
-  const Touch pair = contacts[first];
-  a.mesh = particles.mesh[pair.a].get(), b.mesh = particles.mesh[pair.b].get();
-  a.faces.clear(), b.faces.clear();
-  for (std::size_t c = first; c < contacts.size(); ++c) {
-    if (a.faces.empty() || a.faces.back() != contacts[c].feature_a) a.faces.push_back(contacts[c].feature_a);
-    b.faces.push_back(contacts[c].feature_b);
-  }
-  contacts.resize(first);
-  const Eigen::Quaterniond to_a = particles.orientation[pair.a].conjugate();
-  const Eigen::Matrix3d turn = (to_a * particles.orientation[pair.b]).toRotationMatrix();
-  const Vector3d centre_b = to_a * (particles.position[pair.b] - particles.position[pair.a]);
-  const auto place_a = [](int v) { return vec3(a.mesh->vertices[v]); };
-  const auto place_b = [&](int v) { return vec3(turn * b.mesh->vertices[v] + centre_b); };
-  const double reach = particles.halo[pair.a] + particles.halo[pair.b];
-  a.gather_facets(place_a), b.gather_facets(place_b);
-  a.gather_features(place_a, b.box, reach), b.gather_features(place_b, a.box, reach);
+void add_feature_contacts(const Particles& particles, BodyPair pair, const Placement& b_in_a, const FeaturePairs& near,
+                          double reach, std::vector<Touch>& contacts) {
+  if (near.empty()) return;
+  static thread_local std::vector<Point> at_a, at_b; // scratch memory that has grown stays
+  static thread_local Edges edges_b;
+  const Mesh &a = *particles.mesh[pair.a], &b = *particles.mesh[pair.b];
+  at_a.clear(), at_b.clear();
+  for (const int v : near.a.vertices) at_a.push_back(vec3(a.vertices[v]));
+  for (const int v : near.b.vertices) at_b.push_back(placed(vec3(b.vertices[v]), b_in_a));
   Writer writer(particles, pair, contacts);
-  corners_against(a, b, true, reach, writer);
-  corners_against(b, a, false, reach, writer);
-  for (const Edge& e : a.edges) {
-    const Vec3<Lanes> x0 = in_all_lanes<Lanes>(e.x0), x1 = in_all_lanes<Lanes>(e.x1);
-    b.ends.for_near(
-        e.box, reach, [&](const Vec3<Lanes>& y0, const Vec3<Lanes>& y1) { return may_cross(x0, x1, y0, y1, reach); },
-        [&](int i) {
-          const Edge& f = b.edges[i];
-          edges_cross(edge_name(a, e.index), edge_name(b, f.index), e, f, reach, writer);
-        });
+  const auto first = static_cast<std::ptrdiff_t>(contacts.size());
+  corners_against(near.a, at_a, near.b, at_b, near.corner_of_a, true, reach, writer);
+  corners_against(near.b, at_b, near.a, at_a, near.corner_of_b, false, reach, writer);
+  edges_b.place(near.b.edges, at_b);
+  for (const auto& [i, pack] : near.edges) {
+    const FeaturePairs::Edge& e = near.a.edges[i];
+    const Segment of_a{at_a[e.from], at_a[e.to]};
+    for (unsigned bits = edges_b.may_cross(of_a, pack, reach); bits != 0; bits &= bits - 1) {
+      const FeaturePairs::Edge& f = near.b.edges[pack + std::countr_zero(bits)];
+      edges_cross(edge_name(a, e.edge), edge_name(b, f.edge), of_a, {at_b[f.from], at_b[f.to]}, reach, writer);
+    }
   }
-  std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), [](const Touch& l, const Touch& r) {
-    return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
-  });
+  std::sort(contacts.begin() + first, contacts.end(), by_features);
 }
 
 } // namespace trigrain

@@ -1,6 +1,8 @@
 #include "dem/narrow_phase.hpp"
+#include "dem/feature_contacts.hpp"
+#include "kernels/placement.hpp"
 #include "kernels/sphere.hpp"
-#include <numeric>
+#include <algorithm>
 
 namespace trigrain {
 namespace {
@@ -31,6 +33,16 @@ void add_contact(BodyPair pair, int feature_a, int feature_b, const Vector3d& po
     return;
   }
   buffer.contacts.push_back({pair.a, pair.b, feature_a, feature_b, point, pq / distance, buffer.reach - distance});
+}
+
+/// Books the contacts from `first` on, all of one body pair.
+void book(BodyPair pair, std::size_t first, WorkerBuffer& buffer) {
+  const auto count = static_cast<int>(buffer.contacts.size() - first);
+  if (count > 0) buffer.found.push_back({pair.a, pair.b, static_cast<int>(first), count});
+}
+
+void reduce(const Particles& particles, std::size_t first, const NarrowPhase& narrow, WorkerBuffer& buffer) {
+  if (buffer.contacts.size() > first) narrow.rule->reduce(particles, buffer.contacts, first);
 }
 
 /// Two spheres touch at one point, whatever the contact rule.
@@ -65,6 +77,7 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
   const TrianglesView triangles = mesh.triangles.view();
   const double r = particles.radius[sphere], place = particles.contact_place(body, sphere);
   const Vec3<double> centre = vec3(to_body(particles, body, particles.position[sphere]));
+  const std::size_t first = buffer.contacts.size();
   narrow.precheck->triangles({triangles, &mesh.octree}, centre, r + buffer.reach, buffer.near);
   for (int i : buffer.near) {
     ++buffer.kernel.triangle_pairs;
@@ -78,28 +91,21 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
     else
       add_contact(pair, i, 0, point, -gap_vector, buffer);
   }
+  reduce(particles, first, narrow, buffer);
+  book(pair, first, buffer);
 }
 
-/// Triangle pairs that may be within reach, in the frame of A, where coordinates are as small as the bodies.
-void find_candidates(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer) {
-  const Mesh &a = *particles.mesh[pair.a], &b = *particles.mesh[pair.b];
-  const Vector3d centre_b = to_body(particles, pair.a, particles.position[pair.b]);
-  const Eigen::Matrix3d turn =
-      (particles.orientation[pair.a].conjugate() * particles.orientation[pair.b]).toRotationMatrix();
-  const Placement b_in_a{{vec3(turn.row(0)), vec3(turn.row(1)), vec3(turn.row(2))}, vec3(centre_b)};
-  narrow.precheck->pairs({a.triangles.view(), &a.octree}, {b.triangles.view(), &b.octree}, b_in_a, buffer.reach,
-                         buffer.candidates);
+MeshView view_of(const Particles& p, int body) { return {p.mesh[body]->triangles.view(), &p.mesh[body]->octree}; }
+
+/// The kernel on triangle pairs of two bodies, `b` in the frame of A; appended to `hits`.
+void solve(const Particles& particles, BodyPair pair, TrianglesView b, std::span<const PairIndex> triangles,
+           double reach, const NarrowPhase& narrow, WorkerBuffer& buffer, Hits& hits) {
+  narrow.kernel->closest({particles.mesh[pair.a]->triangles.view(), b, triangles}, {.reach = reach}, hits,
+                         buffer.kernel);
 }
 
-/// The kernel on candidates [first, first + count), appended to `hits`.
-void solve(const Particles& particles, BodyPair pair, const Candidates& candidates, int first, int count,
-           const NarrowPhase& narrow, WorkerBuffer& buffer, Hits& hits) {
-  const PairList list{particles.mesh[pair.a]->triangles.view(), candidates.b.view(), candidates.pairs};
-  narrow.kernel->closest(list.part(first, count), {.reach = buffer.reach}, hits, buffer.kernel);
-}
-
-/// Contacts in the world.
-void add_contacts(const Particles& particles, BodyPair pair, const Candidates& candidates, const Hits& hits,
+/// Contacts in the world of triangle pairs; number_b: of each triangle of B in its mesh.
+void add_contacts(const Particles& particles, BodyPair pair, std::span<const int> number_b, const Hits& hits,
                   WorkerBuffer& buffer) {
   if (hits.empty()) return;
   const Eigen::Matrix3d to_world = particles.orientation[pair.a].toRotationMatrix();
@@ -107,15 +113,16 @@ void add_contacts(const Particles& particles, BodyPair pair, const Candidates& c
   for (int k = 0; k < hits.size(); ++k) {
     const Hit hit = hits[k];
     const Vector3d p = eigen(hit.closest.p), q = eigen(hit.closest.q);
-    add_contact(pair, hit.i, candidates.number_b[hit.j],
-                particles.position[pair.a] + to_world * ((1 - place) * p + place * q), to_world * (p - q), buffer);
+    add_contact(pair, hit.i, number_b[hit.j], particles.position[pair.a] + to_world * ((1 - place) * p + place * q),
+                to_world * (p - q), buffer);
   }
 }
 
 /// Hands the candidates in the buffer over, cut into parts.
-SplitPair* split_up(BodyPair pair, WorkerBuffer& buffer, SplitPairs& into) {
+SplitPair* split_up(BodyPair pair, const Placement& b_in_a, WorkerBuffer& buffer, SplitPairs& into) {
   SplitPair& split = into.next();
   split.pair = pair;
+  split.b_in_a = b_in_a;
   split.reach = buffer.reach;
   std::swap(split.candidates, buffer.candidates);
   split.parts = (static_cast<int>(split.candidates.pairs.size()) + part_size - 1) / part_size;
@@ -124,12 +131,104 @@ SplitPair* split_up(BodyPair pair, WorkerBuffer& buffer, SplitPairs& into) {
   return &split;
 }
 
-/// Reduces the contacts from `first` on, all of one body pair.
-void finish(const Particles& particles, BodyPair pair, std::size_t first, const NarrowPhase& narrow,
-            WorkerBuffer& buffer) {
-  if (buffer.contacts.size() > first) narrow.rule->reduce(particles, buffer.contacts, first);
-  const auto count = static_cast<int>(buffer.contacts.size() - first);
-  if (count > 0) buffer.found.push_back({pair.a, pair.b, static_cast<int>(first), count});
+// --- two meshes
+
+/// Do two meshes touch by corners and edges?
+bool touch_by_features(const Particles& particles, BodyPair pair, const ContactRule& rule) {
+  return rule.of_features && !particles.mesh[pair.a]->features.curved && !particles.mesh[pair.b]->features.curved;
+}
+
+void add_contacts_of_features(const Particles& particles, BodyPair pair, const Placement& b_in_a,
+                              const FeaturePairs& near, WorkerBuffer& buffer) {
+  const std::size_t first = buffer.contacts.size();
+  add_feature_contacts(particles, pair, b_in_a, near, buffer.reach, buffer.contacts);
+  if (buffer.contacts.size() > first) set_collective_mass(particles, std::span(buffer.contacts).subspan(first));
+}
+
+/// Finds the features that are nearer than `reach`, from the triangle pairs that are: and how far they may move until
+/// others come within reach of the halos, or surfaces may cross (m). Once some do, nothing further than the halos
+/// counts.
+double find_features(const Particles& particles, BodyPair pair, const Placement& b_in_a, std::span<const int> number_b,
+                     std::span<const Hits> parts, double reach, WorkerBuffer& buffer, FeaturePairs& features) {
+  NearFaces &a = buffer.near_faces_a, &b = buffer.near_faces_b;
+  a.mesh = particles.mesh[pair.a].get(), b.mesh = particles.mesh[pair.b].get();
+  a.faces.clear(), b.faces.clear();
+  double closest = reach;
+  const auto for_hits = [&](const auto& visit) {
+    for (const Hits& hits : parts)
+      for (int k = 0; k < hits.size(); ++k) visit(hits[k]);
+  };
+  for_hits([&](const Hit& hit) {
+    closest = std::min(closest, hit.closest.distance);
+    if (hit.closest.distance == 0) ++buffer.crossings;
+  });
+  const double near = closest > 0 ? reach : buffer.reach;
+  for_hits([&](const Hit& hit) {
+    if (hit.closest.distance == 0 || hit.closest.distance > near) return;
+    a.faces.push_back(hit.i);
+    b.faces.push_back(number_b[hit.j]);
+  });
+  find_feature_pairs(a, b, b_in_a, near, features);
+  return std::min(closest, near - buffer.reach);
+}
+
+/// Searches two meshes for what is near, keeps that in `near`, and adds their contacts.
+SplitPair* search(const Particles& particles, BodyPair pair, const RelativePose& pose, const NarrowPhase& narrow,
+                  KeptPair& near, WorkerBuffer& buffer, SplitPairs* split) {
+  ++buffer.searched_pairs;
+  near.forget();
+  const Placement b_in_a = placement_of(pose);
+  const double margin = narrow.kept_pairs ? narrow.kept_pairs->skin() * buffer.reach : 0, reach = buffer.reach + margin;
+  Candidates& candidates = buffer.candidates;
+  narrow.precheck->pairs(view_of(particles, pair.a), view_of(particles, pair.b), b_in_a, reach, candidates);
+  if (split && static_cast<int>(candidates.pairs.size()) > part_size) return split_up(pair, b_in_a, buffer, *split);
+  buffer.hits.clear();
+  solve(particles, pair, candidates.b.view(), candidates.pairs, reach, narrow, buffer, buffer.hits);
+  const std::size_t first = buffer.contacts.size();
+  double room = margin;
+  if (touch_by_features(particles, pair, *narrow.rule)) {
+    room = find_features(particles, pair, b_in_a, candidates.number_b, {&buffer.hits, 1}, reach, buffer, near.features);
+    add_contacts_of_features(particles, pair, b_in_a, near.features, buffer);
+  } else {
+    if (margin > 0) near.keep_triangles(buffer.hits, candidates.number_b);
+    add_contacts(particles, pair, candidates.number_b, buffer.hits, buffer);
+    reduce(particles, first, narrow, buffer);
+  }
+  book(pair, first, buffer);
+  const double rounding = 1e-12 * (particles.radius[pair.a] + particles.radius[pair.b] + pose.centre.norm());
+  near.keep(pose, room - rounding);
+  return nullptr;
+}
+
+/// The contacts of two meshes from what is known to be near.
+void look_again(const Particles& particles, BodyPair pair, const RelativePose& pose, const NarrowPhase& narrow,
+                const KeptPair& near, WorkerBuffer& buffer) {
+  if (near.empty()) return;
+  const Placement b_in_a = placement_of(pose);
+  const std::size_t first = buffer.contacts.size();
+  if (touch_by_features(particles, pair, *narrow.rule)) {
+    add_contacts_of_features(particles, pair, b_in_a, near.features, buffer);
+  } else {
+    Candidates& candidates = buffer.candidates;
+    candidates.clear();
+    place(particles.mesh[pair.b]->triangles.view(), b_in_a, near.triangles_b, candidates.b);
+    buffer.hits.clear();
+    solve(particles, pair, candidates.b.view(), near.triangles, buffer.reach, narrow, buffer, buffer.hits);
+    add_contacts(particles, pair, near.triangles_b, buffer.hits, buffer);
+    reduce(particles, first, narrow, buffer);
+  }
+  book(pair, first, buffer);
+}
+
+SplitPair* collide_meshes(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer,
+                          SplitPairs* split) {
+  const RelativePose pose = relative_pose(particles, pair);
+  if (!narrow.kept_pairs) return search(particles, pair, pose, narrow, buffer.kept_pair, buffer, split);
+  KeptPair& near = narrow.kept_pairs->of(pair, particles);
+  if (!near.is_complete(pose, std::min(particles.radius[pair.a], particles.radius[pair.b])))
+    return search(particles, pair, pose, narrow, near, buffer, split);
+  look_again(particles, pair, pose, narrow, near, buffer);
+  return nullptr;
 }
 
 } // namespace
@@ -139,42 +238,44 @@ void WorkerBuffer::clear() {
   if (likely > contacts.capacity()) contacts.reserve(likely + likely / 8);
   contacts.clear();
   found.clear();
-  candidate_pairs = body_pairs = crossings = 0;
+  candidate_pairs = body_pairs = searched_pairs = crossings = 0;
   kernel = {};
 }
 
 SplitPair* collide(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer,
                    SplitPairs* split) {
-  const std::size_t first = buffer.contacts.size();
   buffer.reach = particles.halo[pair.a] + particles.halo[pair.b];
   const bool sphere_a = particles.is_sphere(pair.a), sphere_b = particles.is_sphere(pair.b);
-  if (sphere_a && sphere_b) {
+  if (!sphere_a && !sphere_b) return collide_meshes(particles, pair, narrow, buffer, split);
+  if (sphere_a && sphere_b)
     collide_spheres(particles, pair, buffer);
-    return nullptr;
-  }
-  if (sphere_a || sphere_b) {
+  else
     collide_sphere_mesh(particles, pair, narrow, buffer);
-  } else {
-    find_candidates(particles, pair, narrow, buffer);
-    const auto count = static_cast<int>(buffer.candidates.pairs.size());
-    if (split && count > part_size) return split_up(pair, buffer, *split);
-    buffer.hits.clear();
-    solve(particles, pair, buffer.candidates, 0, count, narrow, buffer, buffer.hits);
-    add_contacts(particles, pair, buffer.candidates, buffer.hits, buffer);
-  }
-  finish(particles, pair, first, narrow, buffer);
   return nullptr;
 }
 
 void solve_part(const Particles& particles, SplitPair& split, int part, const NarrowPhase& narrow,
                 WorkerBuffer& buffer) {
-  buffer.reach = split.reach;
+  const auto [pair, reach] = std::pair(split.pair, split.reach);
+  buffer.reach = reach;
   split.hits[part].clear();
-  solve(particles, split.pair, split.candidates, part * part_size, part_size, narrow, buffer, split.hits[part]);
+  const std::span pairs = split.candidates.pairs;
+  solve(particles, pair, split.candidates.b.view(),
+        pairs.subspan(part * part_size, std::min<std::size_t>(part_size, pairs.size() - part * part_size)), reach,
+        narrow, buffer, split.hits[part]);
   if (split.parts_left.fetch_sub(1, std::memory_order_acq_rel) > 1) return;
   const std::size_t first = buffer.contacts.size();
-  for (int k = 0; k < split.parts; ++k) add_contacts(particles, split.pair, split.candidates, split.hits[k], buffer);
-  finish(particles, split.pair, first, narrow, buffer);
+  const std::span<const Hits> parts(split.hits.data(), split.parts);
+  const std::span<const int> number_b = split.candidates.number_b;
+  if (touch_by_features(particles, pair, *narrow.rule)) {
+    FeaturePairs& features = buffer.kept_pair.features;
+    find_features(particles, pair, split.b_in_a, number_b, parts, reach, buffer, features);
+    add_contacts_of_features(particles, pair, split.b_in_a, features, buffer);
+  } else {
+    for (const Hits& hits : parts) add_contacts(particles, pair, number_b, hits, buffer);
+    reduce(particles, first, narrow, buffer);
+  }
+  book(pair, first, buffer);
 }
 
 } // namespace trigrain

@@ -1,5 +1,6 @@
 #pragma once
 #include "dem/contact_rule.hpp"
+#include "dem/kept_pairs.hpp"
 #include "dem/pair_source.hpp"
 #include "kernels/precheck.hpp"
 #include <atomic>
@@ -15,6 +16,7 @@ struct NarrowPhase {
   const Kernel* kernel;
   const Precheck* precheck;
   const ContactRule* rule;
+  KeptPairs* kept_pairs; ///< what meshes have near each other; null: they are searched in every step
 };
 
 /// A body pair that touches: its contacts are [first, first + count) of a worker's.
@@ -26,6 +28,7 @@ struct FoundPair {
 /// A body pair whose triangle pairs are many: any worker may solve any part of them, the last one makes the contacts.
 struct SplitPair {
   BodyPair pair;
+  Placement b_in_a;
   double reach; ///< m
   Candidates candidates;
   std::vector<Hits> hits; ///< of each part
@@ -47,7 +50,7 @@ struct SplitPairs {
 struct alignas(128) WorkerBuffer {
   std::vector<Touch> contacts; ///< contacts of one body pair stand together, in the order of their features
   std::vector<FoundPair> found;
-  std::int64_t candidate_pairs = 0, body_pairs = 0;
+  std::int64_t candidate_pairs = 0, body_pairs = 0, searched_pairs = 0;
   std::int64_t crossings = 0; ///< triangle or sphere pairs found at distance 0
   KernelCounts kernel;
 
@@ -56,6 +59,8 @@ struct alignas(128) WorkerBuffer {
   Candidates candidates;
   std::vector<int> near; ///< triangles near a sphere
   Hits hits;
+  NearFaces near_faces_a, near_faces_b;
+  KeptPair kept_pair; ///< of a pair that is not kept
 
   void clear();
 };

@@ -58,9 +58,10 @@ struct Simulation::State {
   Scene scene;
   Options options;
   const Scheme& scheme;
-  NarrowPhase narrow;
   const StepControl& control;
   Particles particles;
+  std::unique_ptr<KeptPairs> kept_pairs;
+  NarrowPhase narrow;
   std::unique_ptr<PairSource> source;
   Team team;
   std::vector<WorkerBuffer> buffers;
@@ -82,9 +83,12 @@ struct Simulation::State {
   /// Without a source it makes the one that the options ask for.
   State(Scene s, Options o, std::unique_ptr<PairSource> from)
       : scene(std::move(s)), options(std::move(o)), scheme(row_named(schemes(), "scheme", options.scheme)),
-        narrow{&kernel_named(options.kernel), &row_named(prechecks(), "pre-check", options.precheck),
-               &row_named(contact_rules(), "contact rule", options.contact_rule)},
         control(row_named(step_controls(), "time.control", scene.time.control)), particles(particles_of(scene)),
+        kept_pairs(kept_pairs_for(options, particles)), narrow{&kernel_named(options.kernel),
+                                                               &row_named(prechecks(), "pre-check", options.precheck),
+                                                               &row_named(contact_rules(), "contact rule",
+                                                                          options.contact_rule),
+                                                               kept_pairs.get()},
         source(from ? std::move(from)
                     : make_pair_source({options.grid, options.subdivision, options.skin}, scene.domain, particles)),
         team(runtime_for(options, scheme), threads_of(options)), watch(particles) {
@@ -109,6 +113,19 @@ struct Simulation::State {
     particles.reserve(static_cast<int>(scene.bodies.size()));
     for (const Body& body : scene.bodies) particles.add(body);
     return particles;
+  }
+
+  /// Null where nothing can be kept: no two meshes meet, or the kernel is not exact, or its answers depend on the list.
+  static std::unique_ptr<KeptPairs> kept_pairs_for(const Options& options, const Particles& particles) {
+    if (!(options.triangle_skin >= 0 && options.triangle_skin <= 10))
+      throw InputError("triangle_skin is " + number(options.triangle_skin) + " (options). Give 0 to 10 sums of halos.");
+    const Kernel& kernel = kernel_named(options.kernel);
+    int meshes = 0, moving = 0;
+    for (int i = 0; i < particles.size(); ++i)
+      if (!particles.is_sphere(i)) ++meshes, moving += !particles.fixed(i);
+    if (options.triangle_skin == 0 || meshes < 2 || moving == 0 || !kernel.exact || kernel.name == "hybrid-batch")
+      return nullptr;
+    return std::make_unique<KeptPairs>(options.triangle_skin, particles.size());
   }
 
   static int threads_of(const Options& options) {
@@ -138,10 +155,12 @@ void Simulation::State::update_grid(StepStats& stats) {
 
 void Simulation::State::detect(StepStats& stats) {
   for (WorkerBuffer& buffer : buffers) buffer.clear();
+  if (kept_pairs) kept_pairs->begin_step();
   scheme.detect({*source, particles, narrow, layers, buffers, pools}, team);
   for (const WorkerBuffer& buffer : buffers) {
     stats.candidate_pairs += buffer.candidate_pairs;
     stats.body_pairs += buffer.body_pairs;
+    stats.searched_pairs += buffer.searched_pairs;
     stats.crossings += buffer.crossings;
     stats.triangle_pairs += buffer.kernel.triangle_pairs;
     stats.newton_steps += buffer.kernel.newton_steps;
@@ -328,6 +347,7 @@ StepStats& StepStats::operator+=(const StepStats& other) {
   steps += other.steps;
   candidate_pairs += other.candidate_pairs;
   body_pairs += other.body_pairs;
+  searched_pairs += other.searched_pairs;
   triangle_pairs += other.triangle_pairs;
   newton_steps += other.newton_steps;
   fall_backs += other.fall_backs;

@@ -22,8 +22,10 @@ struct Options {
   std::string runtime = "default"; ///< "tbb", "openmp", or the one the scheme was published with
   std::string layers = "default";  ///< what is shared out: "grid", "particle", "triangle", joined by +
   int threads = 1;
-  int subdivision = 3; ///< k: a grid cell splits into k^3
-  double skin = 0;     ///< diameters of the smallest body it may move before the grid is asked again
+  int subdivision = 3;        ///< k: a grid cell splits into k^3
+  double skin = 0;            ///< diameters of the smallest body it may move before the grid is asked again
+  double triangle_skin = .05; ///< what of two meshes is near is kept until it may have moved by this share of their
+                              ///< halos; 0: searched for in every step
   const PhaseObserver* observer = nullptr; ///< told of every piece of work; outlives the simulation
 };
 

@@ -64,11 +64,12 @@ Json sample_json(const Sample& sample) {
 }
 
 Json counts_json(const StepStats& stats) {
-  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 19 * sizeof(std::int64_t),
+  static_assert(sizeof(StepStats) == sizeof(StepStats::seconds) + 20 * sizeof(std::int64_t),
                 "a count is missing below");
   return {{"steps", stats.steps},
           {"candidate_pairs", stats.candidate_pairs},
           {"body_pairs", stats.body_pairs},
+          {"searched_pairs", stats.searched_pairs},
           {"triangle_pairs", stats.triangle_pairs},
           {"newton_steps", stats.newton_steps},
           {"fall_backs", stats.fall_backs},

@@ -38,6 +38,8 @@ Box placed(const Box& b, const Placement& at);
 /// Compiled once, not inlined: a triangle has the same bits for every pre-check.
 Triangle placed(const Triangle& t, const Placement& at);
 
+/// Appends those triangles of B, in A's frame.
+void place(TrianglesView b, const Placement& at, std::span<const int> numbers, Triangles& in_a);
 /// Fills `b` with the triangles that near_b names.
 void place(const MeshView& b, const Placement& at, Candidates& c);
 

@@ -23,9 +23,13 @@ Box placed(const Box& b, const Placement& at) {
   return {placed(t.a0, at), placed(t.a1, at), placed(t.a2, at)};
 }
 
+void place(TrianglesView b, const Placement& at, std::span<const int> numbers, Triangles& in_a) {
+  for (int j : numbers) in_a.push_back(placed(b[j], at));
+}
+
 void place(const MeshView& b, const Placement& at, Candidates& c) {
   c.number_b = c.near_b;
-  for (int j : c.number_b) c.b.push_back(placed(b.triangles[j], at));
+  place(b.triangles, at, c.number_b, c.b);
 }
 
 PairIndex* room_for_pairs(Candidates& c, std::size_t count) {

@@ -1,0 +1,53 @@
+#include "dem/kept_pairs.hpp"
+
+namespace trigrain {
+
+RelativePose relative_pose(const Particles& p, BodyPair pair) {
+  const auto [a, b] = pair;
+  const Eigen::Quaterniond to_a = p.orientation[a].conjugate();
+  RelativePose pose{to_a * p.orientation[b], to_a * (p.position[b] - p.position[a]), {}};
+  pose.smaller =
+      p.radius[b] <= p.radius[a] ? pose.centre : p.orientation[b].conjugate() * (p.position[a] - p.position[b]);
+  return pose;
+}
+
+Placement placement_of(const RelativePose& pose) {
+  const Eigen::Matrix3d turn = pose.turn.toRotationMatrix();
+  const auto row = [&](int i) { return Vec3<double>{turn(i, 0), turn(i, 1), turn(i, 2)}; };
+  return {{row(0), row(1), row(2)}, {pose.centre.x(), pose.centre.y(), pose.centre.z()}};
+}
+
+void KeptPair::keep_triangles(const Hits& hits, std::span<const int> number_b) {
+  static thread_local std::vector<int> place; // of triangles of B in triangles_b; scratch memory that has grown stays
+  triangles.clear(), triangles_b.clear();
+  place.assign(number_b.size(), -1);
+  for (int k = 0; k < hits.size(); ++k) {
+    const auto [i, j] = PairIndex{hits[k].i, hits[k].j};
+    if (place[j] < 0) {
+      place[j] = static_cast<int>(triangles_b.size());
+      triangles_b.push_back(number_b[j]);
+    }
+    triangles.push_back({i, place[j]});
+  }
+}
+
+KeptPair& KeptPairs::of(BodyPair pair, const Particles& particles) {
+  Owner& owner = owners_[particles.radius[pair.b] <= particles.radius[pair.a] ? pair.b : pair.a];
+  while (owner.busy.test_and_set(std::memory_order_acquire)) {
+  }
+  Entry *found = nullptr, *unused = nullptr;
+  for (const auto& entry : owner.entries) {
+    if (entry->bodies.a == pair.a && entry->bodies.b == pair.b) found = entry.get();
+    if (entry->step < step_ - 1) unused = entry.get();
+  }
+  if (!found) {
+    found = unused ? unused : owner.entries.emplace_back(std::make_unique<Entry>()).get();
+    found->bodies = pair;
+    found->near.forget();
+  }
+  found->step = step_;
+  owner.busy.clear(std::memory_order_release);
+  return found->near;
+}
+
+} // namespace trigrain

@@ -1,0 +1,78 @@
+#pragma once
+#include "dem/feature_pairs.hpp"
+#include "dem/pair_source.hpp"
+#include <atomic>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace trigrain {
+
+/// Where two bodies are, seen from one another.
+struct RelativePose {
+  Eigen::Quaterniond turn; ///< from the frame of B to that of A
+  Eigen::Vector3d centre;  ///< of B, in the frame of A (m)
+  Eigen::Vector3d smaller; ///< centre of the body of smaller radius in the frame of the other one (m)
+};
+RelativePose relative_pose(const Particles& particles, BodyPair pair);
+Placement placement_of(const RelativePose& pose);
+
+/// What two meshes have near each other: triangle pairs, or corners, edges and faces. Complete until a point of one
+/// may have moved by more than `room` as seen from the other.
+class KeptPair {
+ public:
+  std::vector<int> triangles_b;     ///< those of B that some pair needs
+  std::vector<PairIndex> triangles; ///< i in mesh A, j in triangles_b
+  FeaturePairs features;
+
+  bool empty() const { return triangles.empty() && features.empty(); }
+  /// Keeps the triangle pairs that a kernel found; number_b: of their triangles of B in its mesh.
+  void keep_triangles(const Hits& hits, std::span<const int> number_b);
+  /// It was searched at `pose`.
+  void keep(const RelativePose& pose, double room_m) {
+    turn_ = pose.turn;
+    smaller_ = pose.smaller;
+    room_ = room_m;
+  }
+  void forget() { room_ = -1; }
+  /// Whether it is still complete; `radius` (m) of the smaller body. A point of a body that turns by an angle has moved
+  /// by 2 sin(angle / 2) of its distance at most, which is less than twice the distance of the quaternions.
+  bool is_complete(const RelativePose& pose, double radius) const {
+    if (!(room_ > 0)) return false;
+    const double turned = 2 * radius * (pose.turn.coeffs() - turn_.coeffs()).norm();
+    return turned + (pose.smaller - smaller_).norm() < room_;
+  }
+
+ private:
+  Eigen::Quaterniond turn_;
+  Eigen::Vector3d smaller_;
+  double room_ = -1; // m
+};
+
+/// KeptPair of body pairs, kept from step to step.
+class KeptPairs {
+ public:
+  /// `skin`: how far outside of the halos it looks, as a share of the sum of a pair's halos; > 0.
+  KeptPairs(double skin, int bodies) : skin_(skin), owners_(bodies) {}
+  double skin() const { return skin_; }
+  void begin_step() { ++step_; }
+  /// That of a pair, which its caller has for itself during this step. It is new if the pair was not asked for in the
+  /// last step and its place has been taken. Any number of threads may call it at once.
+  KeptPair& of(BodyPair pair, const Particles& particles);
+
+ private:
+  struct Entry {
+    BodyPair bodies;
+    std::int64_t step; // when it was last asked for
+    KeptPair near;
+  };
+  struct Owner { // the smaller body of its pairs: few others are around it
+    std::atomic_flag busy;
+    std::vector<std::unique_ptr<Entry>> entries;
+  };
+  double skin_;
+  std::int64_t step_ = 0;
+  std::vector<Owner> owners_;
+};
+
+} // namespace trigrain
