@@ -1,5 +1,6 @@
 #include "dem/feature_contacts.hpp"
 #include "dem/contact_rule.hpp"
+#include "dem/edge_array.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/placement.hpp"
 #include "kernels/point_triangle.hpp"
@@ -15,17 +16,11 @@ namespace {
 using Eigen::Vector3d;
 using Point = Vec3<double>;
 
-Point vec3(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Vector3d eigen(const Point& v) { return {v.x, v.y, v.z}; }
 
 struct Segment {
   Point x0, x1;
 };
-
-/// Names of features that neither cut nor order of the faces can change within one mesh: corners by vertex, edges
-/// after them, whole pieces of surface below 0.
-int piece_name(int part) { return -1 - part; }
-int edge_name(const Mesh& mesh, int edge) { return static_cast<int>(mesh.vertices.size()) + edge; }
 
 /// Writes contacts found in the frame of A into the world's.
 class Writer {
@@ -60,39 +55,41 @@ class Writer {
 };
 
 /// Every corner of one body against each piece of the other one's surface, where that is nearest. `at`: where the
-/// vertices of Side are.
+/// points of a side are.
 void corners_against(const FeaturePairs::Side& mine, const std::vector<Point>& my_at, const FeaturePairs::Side& theirs,
                      const std::vector<Point>& their_at, std::span<const FeaturePairs::Pair> pairs, bool mine_is_a,
                      double reach, Writer& writer) {
   struct Nearest {
-    int part;
+    int piece;
     double d2;
     Point from_corner;
   };
-  static thread_local std::vector<Nearest> nearest;
-  for (std::size_t i = 0; i < pairs.size();) {
-    const auto& [at, vertex] = mine.corners[pairs[i].first];
-    const Point x = my_at[at];
+  static thread_local std::vector<Nearest> nearest; // scratch memory that has grown stays
+  for (std::size_t p = 0; p < pairs.size();) {
+    const int corner = pairs[p].first;
+    const Point x = my_at[mine.corners[corner].point];
     nearest.clear();
-    for (const int corner = pairs[i].first; i < pairs.size() && pairs[i].first == corner; ++i) {
-      const auto& [v, part] = theirs.facets[pairs[i].second];
-      const Corners<double> seen{their_at[v[0]] - x, their_at[v[1]] - x, their_at[v[2]] - x};
+    for (; p < pairs.size() && pairs[p].first == corner; ++p) {
+      const auto& [i, piece] = theirs.facets[pairs[p].second];
+      const Corners<double> seen{their_at[i[0]] - x, their_at[i[1]] - x, their_at[i[2]] - x};
       const Point from = closest_on_triangle_by_zones({0, 0, 0}, seen).point;
       const double d2 = squared(from);
       if (d2 >= reach * reach) continue;
-      const auto known = std::find_if(nearest.begin(), nearest.end(), [&](const Nearest& n) { return n.part == part; });
+      const auto known =
+          std::find_if(nearest.begin(), nearest.end(), [&](const Nearest& n) { return n.piece == piece; });
       if (known == nearest.end())
-        nearest.push_back({part, d2, from});
+        nearest.push_back({piece, d2, from});
       else if (d2 < known->d2)
-        *known = {part, d2, from};
+        *known = {piece, d2, from};
     }
     for (const Nearest& n : nearest) {
       if (n.d2 == 0) continue; // crossing: the kernel has counted it
+      const int name = mine.corners[corner].name;
       const Vector3d mine_x = eigen(x), y = mine_x + eigen(n.from_corner);
       if (mine_is_a)
-        writer.add(vertex, piece_name(n.part), mine_x, y, reach);
+        writer.add(name, n.piece, mine_x, y, reach);
       else
-        writer.add(piece_name(n.part), vertex, y, mine_x, reach);
+        writer.add(n.piece, name, y, mine_x, reach);
     }
   }
 }
@@ -155,42 +152,20 @@ void edges_cross(int feature_a, int feature_b, const Segment& e, const Segment& 
   writer.add(feature_a, feature_b, p, q, reach, share, push, couple);
 }
 
-/// Edges as structure of arrays: one is compared with a pack of them at once.
-class Edges {
- public:
-  void place(std::span<const FeaturePairs::Edge> edges, const std::vector<Point>& at) {
-    const std::size_t packs = (edges.size() + lane_count - 1) / lane_count;
-    if (column_[0].size() < packs * lane_count)
-      for (auto& column : column_) column.resize(2 * packs * lane_count);
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-      const Point &x = at[edges[i].from], &y = at[edges[i].to];
-      const std::array<double, 6> ends{x.x, x.y, x.z, y.x, y.y, y.z};
-      for (int k = 0; k < 6; ++k) column_[k][i] = ends[k];
-    }
-    size_ = static_cast<int>(edges.size());
-  }
-  /// Bits of the edges first, first + 1, ... that are closest to `e` between their ends and within reach (m), but for
-  /// rounding: without a division.
-  unsigned may_cross(const Segment& e, int first, double reach) const {
-    const auto points = [&](int k) {
-      return Vec3<Lanes>{load<Lanes>(&column_[k][first]), load<Lanes>(&column_[k + 1][first]),
-                         load<Lanes>(&column_[k + 2][first])};
-    };
-    const auto all = [](const Point& x) {
-      return Vec3<Lanes>{broadcast<Lanes>(x.x), broadcast<Lanes>(x.y), broadcast<Lanes>(x.z)};
-    };
-    const Vec3<Lanes> y0 = points(0), u = all(e.x1 - e.x0), v = points(3) - y0, r = y0 - all(e.x0), n = cross(u, v);
-    const Lanes nn = squared(n), height = dot(r, n), s = dot(cross(r, v), n), t = dot(cross(r, u), n),
-                none = broadcast<Lanes>(0);
-    const unsigned cross = bits_of((s > none) & (s < nn) & (t > none) & (t < nn) &
-                                   (height * height < broadcast<Lanes>(reach * reach) * nn));
-    return size_ - first < lane_count ? cross & ((1u << (size_ - first)) - 1) : cross;
-  }
-
- private:
-  std::array<std::vector<double>, 6> column_; // m
-  int size_ = 0;
-};
+/// Bits of the edges first, first + 1, ... that are closest to `e` between their ends and within reach (m), but for
+/// rounding: without a division.
+unsigned may_cross(const Segment& e, const EdgeArray& edges, int first, double reach) {
+  const auto all = [](const Point& x) {
+    return Vec3<Lanes>{broadcast<Lanes>(x.x), broadcast<Lanes>(x.y), broadcast<Lanes>(x.z)};
+  };
+  const auto [y0, y1] = edges.at(first);
+  const Vec3<Lanes> u = all(e.x1 - e.x0), v = y1 - y0, r = y0 - all(e.x0), n = cross(u, v);
+  const Lanes nn = squared(n), height = dot(r, n), s = dot(cross(r, v), n), t = dot(cross(r, u), n),
+              none = broadcast<Lanes>(0);
+  const unsigned cross =
+      bits_of((s > none) & (s < nn) & (t > none) & (t < nn) & (height * height < broadcast<Lanes>(reach * reach) * nn));
+  return edges.size() - first < lane_count ? cross & ((1u << (edges.size() - first)) - 1) : cross;
+}
 
 } // namespace
 
@@ -198,22 +173,22 @@ void add_feature_contacts(const Particles& particles, BodyPair pair, const Place
                           double reach, std::vector<Touch>& contacts) {
   if (near.empty()) return;
   static thread_local std::vector<Point> at_a, at_b; // scratch memory that has grown stays
-  static thread_local Edges edges_b;
-  const Mesh &a = *particles.mesh[pair.a], &b = *particles.mesh[pair.b];
-  at_a.clear(), at_b.clear();
-  for (const int v : near.a.vertices) at_a.push_back(vec3(a.vertices[v]));
-  for (const int v : near.b.vertices) at_b.push_back(placed(vec3(b.vertices[v]), b_in_a));
+  static thread_local EdgeArray edges_b;
+  const FeaturePairs::Side a = near.a(), b = near.b();
+  at_a.assign(a.points.begin(), a.points.end());
+  at_b.clear(), edges_b.clear();
+  for (const Point& x : b.points) at_b.push_back(placed(x, b_in_a));
+  for (const FeaturePairs::Edge& f : b.edges) edges_b.push_back(at_b[f.from], at_b[f.to]);
   Writer writer(particles, pair, contacts);
   const auto first = static_cast<std::ptrdiff_t>(contacts.size());
-  corners_against(near.a, at_a, near.b, at_b, near.corner_of_a, true, reach, writer);
-  corners_against(near.b, at_b, near.a, at_a, near.corner_of_b, false, reach, writer);
-  edges_b.place(near.b.edges, at_b);
-  for (const auto& [i, pack] : near.edges) {
-    const FeaturePairs::Edge& e = near.a.edges[i];
+  corners_against(a, at_a, b, at_b, near.corner_pairs_of_a(), true, reach, writer);
+  corners_against(b, at_b, a, at_a, near.corner_pairs_of_b(), false, reach, writer);
+  for (const auto& [i, pack] : near.edge_pairs()) {
+    const FeaturePairs::Edge& e = a.edges[i];
     const Segment of_a{at_a[e.from], at_a[e.to]};
-    for (unsigned bits = edges_b.may_cross(of_a, pack, reach); bits != 0; bits &= bits - 1) {
-      const FeaturePairs::Edge& f = near.b.edges[pack + std::countr_zero(bits)];
-      edges_cross(edge_name(a, e.edge), edge_name(b, f.edge), of_a, {at_b[f.from], at_b[f.to]}, reach, writer);
+    for (unsigned bits = may_cross(of_a, edges_b, pack, reach); bits != 0; bits &= bits - 1) {
+      const FeaturePairs::Edge& f = b.edges[pack + std::countr_zero(bits)];
+      edges_cross(e.name, f.name, of_a, {at_b[f.from], at_b[f.to]}, reach, writer);
     }
   }
   std::sort(contacts.begin() + first, contacts.end(), by_features);

@@ -1,10 +1,12 @@
 #include "dem/feature_pairs.hpp"
+#include "dem/edge_array.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/placement.hpp"
 #include "kernels/point_triangle.hpp"
 #include "kernels/segment.hpp"
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 namespace trigrain {
@@ -38,7 +40,8 @@ class BoundsArray {
     for (int k = 0; k < 6; ++k) column_[k][size_] = x[k];
     ++size_;
   }
-  /// Calls visit(j) for the boxes within reach of `box` (m) in every direction, in order.
+  /// Calls visit(first, bits) for packs of boxes, in order; bits: those of first, first + 1, ... that are within reach
+  /// of `box` (m) in every direction, at least one.
   template <class Visit> void for_near(const Bounds& box, double reach, const Visit& visit) const {
     const auto all = [](double x) { return broadcast<Lanes>(x); };
     const Lanes x0 = all(box.low.x - reach), y0 = all(box.low.y - reach), z0 = all(box.low.z - reach),
@@ -48,7 +51,7 @@ class BoundsArray {
       unsigned near = bits_of((column(0) <= x1) & (column(1) <= y1) & (column(2) <= z1) & (column(3) >= x0) &
                               (column(4) >= y0) & (column(5) >= z0));
       if (size_ - at < lane_count) near &= (1u << (size_ - at)) - 1;
-      for (; near != 0; near &= near - 1) visit(at + std::countr_zero(near));
+      if (near != 0) visit(at, near);
     }
   }
 
@@ -77,26 +80,33 @@ class Numbered {
   std::uint64_t now_ = 0;
 };
 
-/// One body of a pair while its near features are looked for, in the frame of A.
+using Found = FeaturePairs::Found;
+using FoundSide = FeaturePairs::SideOf<FeaturePairs::Vector>;
+using Pairs = std::vector<FeaturePairs::Pair>;
+
+/// One body of a pair while its near features are looked for.
 class Search {
  public:
-  std::vector<Point> at; ///< of side.vertices
+  std::vector<Point> at; ///< the side's points in the frame of A
   BoundsArray facets, edges;
+  EdgeArray edge_ends;
   Bounds all; ///< of all facets
 
   /// Numbers vertices and facets of the faces.
-  template <class Place> void gather_facets(NearFaces& near, const Place& place, FeaturePairs::Side& side) {
+  template <class Place> void gather_facets(NearFaces& near, const Place& place, FoundSide& side) {
     auto& [mesh, faces] = near;
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-    at.clear(), facets.clear(), edges.clear();
-    vertex_.clear(mesh->vertices.size());
+    side.points.clear(), side.facets.clear(), side.corners.clear(), side.edges.clear();
+    at.clear(), facets.clear(), edges.clear(), edge_ends.clear();
+    point_.clear(mesh->vertices.size());
     for (const int f : faces) {
-      FeaturePairs::Facet& facet = side.facets.emplace_back();
-      facet.part = mesh->part[f];
-      for (int k = 0; k < 3; ++k) facet.corner[k] = number(mesh->faces[f][k], place, side);
-      Bounds box{at[facet.corner[0]], at[facet.corner[0]]};
-      box.extend(at[facet.corner[1]]), box.extend(at[facet.corner[2]]);
+      const auto& v = mesh->faces[f];
+      const auto& [i, piece] = side.facets.emplace_back(FeaturePairs::Facet{
+          {point(v[0], *mesh, place, side), point(v[1], *mesh, place, side), point(v[2], *mesh, place, side)},
+          -1 - mesh->part[f]});
+      Bounds box{at[i[0]], at[i[0]]};
+      box.extend(at[i[1]]), box.extend(at[i[2]]);
       facets.push_back(box);
       if (side.facets.size() == 1) all = box;
       all.extend(box.low), all.extend(box.high);
@@ -104,73 +114,95 @@ class Search {
   }
 
   /// Corners and edges of the facets that are near the other body's facets.
-  template <class Place> void gather_features(const NearFaces& near, const Place& place, const Bounds& other,
-                                              double reach, FeaturePairs::Side& side) {
-    const ShapeFeatures& features = near.mesh->features;
-    corner_.clear(near.mesh->vertices.size()), edge_.clear(features.edges.size());
+  template <class Place>
+  void gather_features(const NearFaces& near, const Place& place, const Bounds& other, double reach, FoundSide& side) {
+    const Mesh& mesh = *near.mesh;
+    const int vertices = static_cast<int>(mesh.vertices.size());
+    corner_.clear(mesh.vertices.size()), edge_.clear(mesh.features.edges.size());
     for (const int f : near.faces) {
-      for (const int v : features.corner_of[f]) {
+      for (const int v : mesh.features.corner_of[f]) {
         if (v < 0 || !corner_.first_time(v)) continue;
-        const int i = vertex_[v];
+        const int i = point_[v];
         if (other.near({at[i], at[i]}, reach)) side.corners.push_back({i, v});
       }
-      for (const int e : features.edge_of[f]) {
+      for (const int e : mesh.features.edge_of[f]) {
         if (e < 0 || !edge_.first_time(e)) continue;
-        const auto [v0, v1] = features.edges[e];
-        const int from = number(v0, place, side), to = number(v1, place, side);
+        const auto [v0, v1] = mesh.features.edges[e];
+        const int from = point(v0, mesh, place, side), to = point(v1, mesh, place, side);
         Bounds box{at[from], at[from]};
         box.extend(at[to]);
         if (!other.near(box, reach)) continue;
-        side.edges.push_back({from, to, e});
+        side.edges.push_back({from, to, vertices + e});
         edges.push_back(box);
+        edge_ends.push_back(at[from], at[to]);
       }
     }
   }
 
  private:
-  template <class Place> int number(int vertex, const Place& place, FeaturePairs::Side& side) {
-    if (vertex_.first_time(vertex)) {
-      vertex_[vertex] = static_cast<int>(at.size());
-      at.push_back(place(vertex));
-      side.vertices.push_back(vertex);
+  template <class Place> int point(int vertex, const Mesh& mesh, const Place& place, FoundSide& side) {
+    if (point_.first_time(vertex)) {
+      point_[vertex] = static_cast<int>(at.size());
+      side.points.push_back(vec3(mesh.vertices[vertex]));
+      at.push_back(place(side.points.back()));
     }
-    return vertex_[vertex];
+    return point_[vertex];
   }
 
-  Numbered vertex_, corner_, edge_;
+  Numbered point_, corner_, edge_;
 };
 
-void pair_corners(const FeaturePairs::Side& mine, const Search& my, const FeaturePairs::Side& theirs,
-                  const Search& their, double reach, std::vector<FeaturePairs::Pair>& pairs) {
+/// Of each corner of `mine` and each piece of surface of `theirs`: the facets closer than reach + margin that are the
+/// closest or become so when each distance changes by `margin` at most.
+void pair_corners(const FoundSide& mine, const Search& my, const FoundSide& theirs, const Search& their, double reach,
+                  double margin, Pairs& pairs) {
+  struct Near {
+    int facet, piece;
+    double distance;
+  };
+  static thread_local std::vector<Near> near; // scratch memory that has grown stays
+  pairs.clear();
   for (int c = 0; c < static_cast<int>(mine.corners.size()); ++c) {
-    const Point& x = my.at[mine.corners[c].at];
-    their.facets.for_near({x, x}, reach, [&](int f) {
-      const auto& v = theirs.facets[f].corner;
-      const Corners<double> seen{their.at[v[0]] - x, their.at[v[1]] - x, their.at[v[2]] - x};
-      if (squared(closest_on_triangle_by_zones({0, 0, 0}, seen).point) <= reach * reach) pairs.push_back({c, f});
+    const Point& x = my.at[mine.corners[c].point];
+    near.clear();
+    their.facets.for_near({x, x}, reach + margin, [&](int first, unsigned bits) {
+      for (; bits != 0; bits &= bits - 1) {
+        const int f = first + std::countr_zero(bits);
+        const auto& [i, piece] = theirs.facets[f];
+        const Corners<double> seen{their.at[i[0]] - x, their.at[i[1]] - x, their.at[i[2]] - x};
+        const double distance = std::sqrt(squared(closest_on_triangle_by_zones({0, 0, 0}, seen).point));
+        if (distance <= reach + margin) near.push_back({f, piece, distance});
+      }
     });
+    for (const Near& n : near) {
+      const auto closer = [&](const Near& o) { return o.piece == n.piece && o.distance + 2 * margin < n.distance; };
+      if (std::none_of(near.begin(), near.end(), closer)) pairs.push_back({c, n.facet});
+    }
   }
 }
 
-void pair_edges(const FeaturePairs& found, const Search& a, const Search& b, double reach,
-                std::vector<FeaturePairs::Pair>& pairs) {
-  for (int e = 0; e < static_cast<int>(found.a.edges.size()); ++e) {
-    const Point &x0 = a.at[found.a.edges[e].from], &x1 = a.at[found.a.edges[e].to];
-    Bounds box{x0, x0};
-    box.extend(x1);
-    b.edges.for_near(box, reach, [&](int f) {
-      const Point &y0 = b.at[found.b.edges[f].from], &y1 = b.at[found.b.edges[f].to];
+void pair_edges(const Search& a, const FoundSide& side_a, const Search& b, double reach, Pairs& pairs) {
+  const auto all = [](const Point& x) {
+    return Vec3<Lanes>{broadcast<Lanes>(x.x), broadcast<Lanes>(x.y), broadcast<Lanes>(x.z)};
+  };
+  pairs.clear();
+  for (int e = 0; e < static_cast<int>(side_a.edges.size()); ++e) {
+    const Point &from = a.at[side_a.edges[e].from], &to = a.at[side_a.edges[e].to];
+    Bounds box{from, from};
+    box.extend(to);
+    const Vec3<Lanes> x0 = all(from), x1 = all(to);
+    b.edges.for_near(box, reach, [&](int first, unsigned bits) {
+      const auto [y0, y1] = b.edge_ends.at(first);
       const auto [s, t] = closest_on_segments(x0, x1, y0, y1);
-      const Point p = x0 + s * (x1 - x0), q = y0 + t * (y1 - y0);
-      if (squared(p - q) <= reach * reach) pairs.push_back({e, f});
+      const Vec3<Lanes> pq = x0 + s * (x1 - x0) - (y0 + t * (y1 - y0));
+      bits &= bits_of(squared(pq) <= broadcast<Lanes>(reach * reach));
+      for (; bits != 0; bits &= bits - 1) pairs.push_back({e, first + std::countr_zero(bits)});
     });
   }
 }
 
 /// Drops what no pair uses, and numbers the rest anew. `edge`: which of a pair of edges is of this side.
-void drop_unused(FeaturePairs::Side& side, std::vector<FeaturePairs::Pair>& of_corners,
-                 std::vector<FeaturePairs::Pair>& of_facets, std::vector<FeaturePairs::Pair>& of_edges,
-                 int FeaturePairs::Pair::*edge) {
+void drop_unused(FoundSide& side, Pairs& of_corners, Pairs& of_facets, Pairs& of_edges, int FeaturePairs::Pair::*edge) {
   static thread_local std::vector<int> number; // -1: unused
   const auto keep_used = [&](auto& list, const auto& for_users) {
     number.assign(list.size(), -1);
@@ -184,7 +216,7 @@ void drop_unused(FeaturePairs::Side& side, std::vector<FeaturePairs::Pair>& of_c
     list.resize(kept);
     for_users([&](int& i) { i = number[i]; });
   };
-  const auto users = [](std::vector<FeaturePairs::Pair>& pairs, int FeaturePairs::Pair::*item) {
+  const auto users = [](Pairs& pairs, int FeaturePairs::Pair::*item) {
     return [&pairs, item](const auto& visit) {
       for (FeaturePairs::Pair& pair : pairs) visit(pair.*item);
     };
@@ -192,16 +224,16 @@ void drop_unused(FeaturePairs::Side& side, std::vector<FeaturePairs::Pair>& of_c
   keep_used(side.corners, users(of_corners, &FeaturePairs::Pair::first));
   keep_used(side.facets, users(of_facets, &FeaturePairs::Pair::second));
   keep_used(side.edges, users(of_edges, edge));
-  keep_used(side.vertices, [&](const auto& visit) {
+  keep_used(side.points, [&](const auto& visit) {
     for (auto& facet : side.facets)
-      for (int& v : facet.corner) visit(v);
-    for (auto& corner : side.corners) visit(corner.at);
+      for (int& i : facet.corner) visit(i);
+    for (auto& corner : side.corners) visit(corner.point);
     for (auto& e : side.edges) visit(e.from), visit(e.to);
   });
 }
 
 /// Single edges of B become packs of them.
-void pack_edges(std::vector<FeaturePairs::Pair>& pairs) {
+void pack_edges(Pairs& pairs) {
   std::size_t kept = 0;
   for (const auto& [e, f] : pairs) {
     const FeaturePairs::Pair pack{e, f / lane_count * lane_count};
@@ -212,28 +244,40 @@ void pack_edges(std::vector<FeaturePairs::Pair>& pairs) {
 
 } // namespace
 
-void FeaturePairs::clear() {
-  for (Side* side : {&a, &b}) side->vertices.clear(), side->facets.clear(), side->corners.clear(), side->edges.clear();
-  corner_of_a.clear(), corner_of_b.clear(), edges.clear();
+void FeaturePairs::assign(const Found& f) {
+  const auto join = [](auto& list, auto&... parts) {
+    list.clear();
+    list.reserve((parts.size() + ...));
+    (list.insert(list.end(), parts.begin(), parts.end()), ...);
+  };
+  const auto size = [](const auto& list) { return static_cast<int>(list.size()); };
+  join(points_, f.a.points, f.b.points), join(facets_, f.a.facets, f.b.facets);
+  join(corners_, f.a.corners, f.b.corners), join(edges_, f.a.edges, f.b.edges);
+  join(pairs_, f.corners_of_a, f.corners_of_b, f.edges);
+  points_of_a_ = size(f.a.points), facets_of_a_ = size(f.a.facets);
+  corners_of_a_ = size(f.a.corners), edges_of_a_ = size(f.a.edges);
+  end_of_a_ = size(f.corners_of_a), end_of_b_ = end_of_a_ + size(f.corners_of_b);
 }
 
-void find_feature_pairs(NearFaces& near_a, NearFaces& near_b, const Placement& b_in_a, double reach,
+void find_feature_pairs(NearFaces& near_a, NearFaces& near_b, const Placement& b_in_a, double reach, double margin,
                         FeaturePairs& pairs) {
   static thread_local Search a, b; // scratch memory that has grown stays
-  pairs.clear();
-  const double far = reach * (1 + 1e-9); // rounding must lose nothing
-  const auto place_a = [&](int v) { return vec3(near_a.mesh->vertices[v]); };
-  const auto place_b = [&](int v) { return placed(vec3(near_b.mesh->vertices[v]), b_in_a); };
-  a.gather_facets(near_a, place_a, pairs.a);
-  b.gather_facets(near_b, place_b, pairs.b);
-  a.gather_features(near_a, place_a, b.all, far, pairs.a);
-  b.gather_features(near_b, place_b, a.all, far, pairs.b);
-  pair_corners(pairs.a, a, pairs.b, b, far, pairs.corner_of_a);
-  pair_corners(pairs.b, b, pairs.a, a, far, pairs.corner_of_b);
-  pair_edges(pairs, a, b, far, pairs.edges);
-  drop_unused(pairs.a, pairs.corner_of_a, pairs.corner_of_b, pairs.edges, &FeaturePairs::Pair::first);
-  drop_unused(pairs.b, pairs.corner_of_b, pairs.corner_of_a, pairs.edges, &FeaturePairs::Pair::second);
-  pack_edges(pairs.edges);
+  static thread_local Found found;
+  margin += 1e-9 * reach; // rounding must lose nothing
+  const double far = reach + margin;
+  const auto place_a = [](const Point& x) { return x; };
+  const auto place_b = [&](const Point& x) { return placed(x, b_in_a); };
+  a.gather_facets(near_a, place_a, found.a);
+  b.gather_facets(near_b, place_b, found.b);
+  a.gather_features(near_a, place_a, b.all, far, found.a);
+  b.gather_features(near_b, place_b, a.all, far, found.b);
+  pair_corners(found.a, a, found.b, b, reach, margin, found.corners_of_a);
+  pair_corners(found.b, b, found.a, a, reach, margin, found.corners_of_b);
+  pair_edges(a, found.a, b, far, found.edges);
+  drop_unused(found.a, found.corners_of_a, found.corners_of_b, found.edges, &FeaturePairs::Pair::first);
+  drop_unused(found.b, found.corners_of_b, found.corners_of_a, found.edges, &FeaturePairs::Pair::second);
+  pack_edges(found.edges);
+  pairs.assign(found);
 }
 
 } // namespace trigrain

@@ -35,19 +35,29 @@ KeptPair& KeptPairs::of(BodyPair pair, const Particles& particles) {
   Owner& owner = owners_[particles.radius[pair.b] <= particles.radius[pair.a] ? pair.b : pair.a];
   while (owner.busy.test_and_set(std::memory_order_acquire)) {
   }
-  Entry *found = nullptr, *unused = nullptr;
-  for (const auto& entry : owner.entries) {
-    if (entry->bodies.a == pair.a && entry->bodies.b == pair.b) found = entry.get();
-    if (entry->step < step_ - 1) unused = entry.get();
-  }
+  Block *found = nullptr, *unused = nullptr;
+  int at = 0;
+  std::unique_ptr<Block>* last = &owner.blocks;
+  for (; *last && !found; last = &(*last)->next)
+    for (int i = 0; i < Block::size && !found; ++i) {
+      const Entry& entry = (*last)->entries[i];
+      if (entry.bodies.a == pair.a && entry.bodies.b == pair.b)
+        found = last->get(), at = i;
+      else if (!unused && entry.step < step_ - 1)
+        unused = last->get(), at = i;
+    }
   if (!found) {
-    found = unused ? unused : owner.entries.emplace_back(std::make_unique<Entry>()).get();
-    found->bodies = pair;
-    found->near.forget();
+    if (!unused) {
+      *last = std::make_unique<Block>();
+      unused = last->get(), at = 0;
+    }
+    found = unused;
+    found->entries[at].bodies = pair;
+    found->pairs[at].forget();
   }
-  found->step = step_;
+  found->entries[at].step = step_;
   owner.busy.clear(std::memory_order_release);
-  return found->near;
+  return found->pairs[at];
 }
 
 } // namespace trigrain

@@ -1,6 +1,7 @@
 #pragma once
 #include "dem/feature_pairs.hpp"
 #include "dem/pair_source.hpp"
+#include <array>
 #include <atomic>
 #include <memory>
 #include <span>
@@ -21,11 +22,11 @@ Placement placement_of(const RelativePose& pose);
 /// may have moved by more than `room` as seen from the other.
 class KeptPair {
  public:
+  bool of_features = false;         ///< what is kept: `features`, or else triangles
   std::vector<int> triangles_b;     ///< those of B that some pair needs
   std::vector<PairIndex> triangles; ///< i in mesh A, j in triangles_b
   FeaturePairs features;
 
-  bool empty() const { return triangles.empty() && features.empty(); }
   /// Keeps the triangle pairs that a kernel found; number_b: of their triangles of B in its mesh.
   void keep_triangles(const Hits& hits, std::span<const int> number_b);
   /// It was searched at `pose`.
@@ -52,9 +53,10 @@ class KeptPair {
 /// KeptPair of body pairs, kept from step to step.
 class KeptPairs {
  public:
-  /// `skin`: how far outside of the halos it looks, as a share of the sum of a pair's halos; > 0.
-  KeptPairs(double skin, int bodies) : skin_(skin), owners_(bodies) {}
-  double skin() const { return skin_; }
+  explicit KeptPairs(int bodies) : owners_(bodies) {}
+  /// How far beyond the halos to search two bodies, as a share of the sum of their halos. Wide margins make each step
+  /// dearer, narrow ones are used up soon; for packed and for falling grains .03 to .1 cost about the same.
+  static constexpr double margin = .05;
   void begin_step() { ++step_; }
   /// That of a pair, which its caller has for itself during this step. It is new if the pair was not asked for in the
   /// last step and its place has been taken. Any number of threads may call it at once.
@@ -62,15 +64,20 @@ class KeptPairs {
 
  private:
   struct Entry {
-    BodyPair bodies;
-    std::int64_t step; // when it was last asked for
-    KeptPair near;
+    BodyPair bodies{-1, -1};
+    std::int64_t step = -2; // when it was last asked for
+  };
+  /// Memory of some pairs of one body; their names stand together.
+  struct Block {
+    static constexpr int size = 6;
+    std::array<Entry, size> entries;
+    std::array<KeptPair, size> pairs;
+    std::unique_ptr<Block> next;
   };
   struct Owner { // the smaller body of its pairs: few others are around it
     std::atomic_flag busy;
-    std::vector<std::unique_ptr<Entry>> entries;
+    std::unique_ptr<Block> blocks;
   };
-  double skin_;
   std::int64_t step_ = 0;
   std::vector<Owner> owners_;
 };

@@ -168,7 +168,7 @@ double find_features(const Particles& particles, BodyPair pair, const Placement&
     a.faces.push_back(hit.i);
     b.faces.push_back(number_b[hit.j]);
   });
-  find_feature_pairs(a, b, b_in_a, near, features);
+  find_feature_pairs(a, b, b_in_a, buffer.reach, near - buffer.reach, features);
   return std::min(closest, near - buffer.reach);
 }
 
@@ -178,7 +178,7 @@ SplitPair* search(const Particles& particles, BodyPair pair, const RelativePose&
   ++buffer.searched_pairs;
   near.forget();
   const Placement b_in_a = placement_of(pose);
-  const double margin = narrow.kept_pairs ? narrow.kept_pairs->skin() * buffer.reach : 0, reach = buffer.reach + margin;
+  const double margin = narrow.kept_pairs ? KeptPairs::margin * buffer.reach : 0, reach = buffer.reach + margin;
   Candidates& candidates = buffer.candidates;
   narrow.precheck->pairs(view_of(particles, pair.a), view_of(particles, pair.b), b_in_a, reach, candidates);
   if (split && static_cast<int>(candidates.pairs.size()) > part_size) return split_up(pair, b_in_a, buffer, *split);
@@ -186,7 +186,8 @@ SplitPair* search(const Particles& particles, BodyPair pair, const RelativePose&
   solve(particles, pair, candidates.b.view(), candidates.pairs, reach, narrow, buffer, buffer.hits);
   const std::size_t first = buffer.contacts.size();
   double room = margin;
-  if (touch_by_features(particles, pair, *narrow.rule)) {
+  near.of_features = touch_by_features(particles, pair, *narrow.rule);
+  if (near.of_features) {
     room = find_features(particles, pair, b_in_a, candidates.number_b, {&buffer.hits, 1}, reach, buffer, near.features);
     add_contacts_of_features(particles, pair, b_in_a, near.features, buffer);
   } else {
@@ -203,10 +204,10 @@ SplitPair* search(const Particles& particles, BodyPair pair, const RelativePose&
 /// The contacts of two meshes from what is known to be near.
 void look_again(const Particles& particles, BodyPair pair, const RelativePose& pose, const NarrowPhase& narrow,
                 const KeptPair& near, WorkerBuffer& buffer) {
-  if (near.empty()) return;
+  if (near.of_features ? near.features.empty() : near.triangles.empty()) return;
   const Placement b_in_a = placement_of(pose);
   const std::size_t first = buffer.contacts.size();
-  if (touch_by_features(particles, pair, *narrow.rule)) {
+  if (near.of_features) {
     add_contacts_of_features(particles, pair, b_in_a, near.features, buffer);
   } else {
     Candidates& candidates = buffer.candidates;

@@ -117,15 +117,15 @@ struct Simulation::State {
 
   /// Null where nothing can be kept: no two meshes meet, or the kernel is not exact, or its answers depend on the list.
   static std::unique_ptr<KeptPairs> kept_pairs_for(const Options& options, const Particles& particles) {
-    if (!(options.triangle_skin >= 0 && options.triangle_skin <= 10))
-      throw InputError("triangle_skin is " + number(options.triangle_skin) + " (options). Give 0 to 10 sums of halos.");
+    const bool every_step = options.triangle_search == "every-step";
+    if (!every_step && options.triangle_search != "when-needed")
+      throw InputError("unknown triangle_search '" + options.triangle_search + "'. Known: when-needed, every-step.");
     const Kernel& kernel = kernel_named(options.kernel);
     int meshes = 0, moving = 0;
     for (int i = 0; i < particles.size(); ++i)
       if (!particles.is_sphere(i)) ++meshes, moving += !particles.fixed(i);
-    if (options.triangle_skin == 0 || meshes < 2 || moving == 0 || !kernel.exact || kernel.name == "hybrid-batch")
-      return nullptr;
-    return std::make_unique<KeptPairs>(options.triangle_skin, particles.size());
+    if (every_step || meshes < 2 || moving == 0 || !kernel.exact || kernel.name == "hybrid-batch") return nullptr;
+    return std::make_unique<KeptPairs>(particles.size());
   }
 
   static int threads_of(const Options& options) {

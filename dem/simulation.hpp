@@ -22,11 +22,10 @@ struct Options {
   std::string runtime = "default"; ///< "tbb", "openmp", or the one the scheme was published with
   std::string layers = "default";  ///< what is shared out: "grid", "particle", "triangle", joined by +
   int threads = 1;
-  int subdivision = 3;        ///< k: a grid cell splits into k^3
-  double skin = 0;            ///< diameters of the smallest body it may move before the grid is asked again
-  double triangle_skin = .05; ///< what of two meshes is near is kept until it may have moved by this share of their
-                              ///< halos; 0: searched for in every step
-  const PhaseObserver* observer = nullptr; ///< told of every piece of work; outlives the simulation
+  int subdivision = 3; ///< k: a grid cell splits into k^3
+  double skin = 0;     ///< diameters of the smallest body it may move before the grid is asked again
+  std::string triangle_search = "when-needed"; ///< of two meshes; "every-step": nothing is kept from the step before
+  const PhaseObserver* observer = nullptr;     ///< told of every piece of work; outlives the simulation
 };
 
 /// Mechanical energy (J); elastic is what the contact springs hold. The last three are sums since the start.

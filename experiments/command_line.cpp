@@ -66,9 +66,9 @@ void add_engine_options(CLI::App& app, BenchRequest& r) {
   engine(app.add_option("--skin", r.options.skin,
                         "keep the grid's pairs until a body has moved so far, in diameters of the smallest body"))
       ->check(not_negative);
-  engine(app.add_option("--triangle-skin", r.options.triangle_skin,
-                        "keep what of two meshes is near until it may have moved by this share of their halos"))
-      ->check(not_negative);
+  engine(
+      app.add_option("--triangle-search", r.options.triangle_search,
+                     "of two meshes: every-step, or when-needed, which keeps what is near for the steps that follow"));
   engine(app.add_option("--step-control", r.step_control, "how the time step follows contacts; default: the scene's"));
 }
 
@@ -163,7 +163,7 @@ Json params_of(const BenchRequest& r) {
                  {"threads", r.options.threads},
                  {"subdivision", r.options.subdivision},
                  {"skin", r.options.skin},
-                 {"triangle_skin", r.options.triangle_skin},
+                 {"triangle_search", r.options.triangle_search},
                  {"step_control", r.step_control.empty() ? Json(nullptr) : Json(r.step_control)},
                  {"steps", or_null(r.steps)},
                  {"end_s", or_null(r.end)},

@@ -74,7 +74,7 @@ DEM_BENCH = Program("dem_bench", {
     "threads": Parameter("--threads", int, least=1),
     "subdivision": Parameter("--subdivision", int, least=2),
     "skin": Parameter("--skin", float, least=0),
-    "triangle_skin": Parameter("--triangle-skin", float, least=0),
+    "triangle_search": Parameter("--triangle-search", str, ("when-needed", "every-step")),
     "step_control": Parameter("--step-control", str, ("fixed", "approach", "gap-only")),
     "steps": Parameter("--steps", int, least=1),
     "end_s": Parameter("--end", float, least=1e-9),

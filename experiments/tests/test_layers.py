@@ -13,7 +13,7 @@ LAYERS = {"kernels": {"kernels"}, "dem": {"kernels", "dem"}, "experiments": {"ke
 PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "mesh_defects", "shape_file", "shape_features"}, "scene": {"scene", "scenes", "load_scene", "critical_step", "hertz"},
          "particles": {"particles"}, "grid": {"grid", "grid_kind", "grid_pairs", "grid_projection", "spacetree", "dense_grid", "pair_source", "sphere_array",
                   "verlet_list"}, "contact": {"contact"},
-         "contact_rule": {"contact_rule"}, "features": {"feature_pairs", "feature_contacts"},
+         "contact_rule": {"contact_rule"}, "features": {"feature_pairs", "feature_contacts", "edge_array"},
          "narrow_phase": {"narrow_phase", "kept_pairs"}, "runtime": {"runtime"}, "contact_list": {"contact_list"},
          "scheme": {"scheme"}, "forces": {"forces"}, "motion": {"motion"}, "step_stats": {"step_stats"},
          "simulation": {"simulation"}, "random": {"random"}, "step_size": {"step_size"}, "loads": {"loads"},
