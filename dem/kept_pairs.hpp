@@ -69,7 +69,7 @@ class KeptPairs {
   };
   /// Memory of some pairs of one body; their names stand together.
   struct Block {
-    static constexpr int size = 6;
+    static constexpr int size = 2;
     std::array<Entry, size> entries;
     std::array<KeptPair, size> pairs;
     std::unique_ptr<Block> next;
