@@ -70,17 +70,17 @@ void corners_against(const FeaturePairs::Side& mine, const std::vector<Point>& m
     const Point x = my_at[mine.corners[corner].point];
     nearest.clear();
     for (; p < pairs.size() && pairs[p].first == corner; ++p) {
-      const auto& [i, piece] = theirs.facets[pairs[p].second];
-      const Corners<double> seen{their_at[i[0]] - x, their_at[i[1]] - x, their_at[i[2]] - x};
-      const Point from = closest_on_triangle_by_zones({0, 0, 0}, seen).point;
+      const FeaturePairs::Facet& facet = theirs.facets[pairs[p].second];
+      const auto seen_at = [&](int k) { return their_at[facet.corner[k]] - x; };
+      const Point from = closest_on_triangle_by_zones({0, 0, 0}, {seen_at(0), seen_at(1), seen_at(2)}).point;
       const double d2 = squared(from);
       if (d2 >= reach * reach) continue;
       const auto known =
-          std::find_if(nearest.begin(), nearest.end(), [&](const Nearest& n) { return n.piece == piece; });
+          std::find_if(nearest.begin(), nearest.end(), [&](const Nearest& n) { return n.piece == facet.piece; });
       if (known == nearest.end())
-        nearest.push_back({piece, d2, from});
+        nearest.push_back({facet.piece, d2, from});
       else if (d2 < known->d2)
-        *known = {piece, d2, from};
+        *known = {facet.piece, d2, from};
     }
     for (const Nearest& n : nearest) {
       if (n.d2 == 0) continue; // crossing: the kernel has counted it
