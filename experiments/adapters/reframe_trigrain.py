@@ -1,10 +1,13 @@
-"""Sweeps under ReFrame: reframe -c experiments/adapters/reframe_trigrain.py -r -S trigrain=/path/to/this/checkout.
+"""Sweeps under ReFrame: reframe -c experiments/adapters/reframe_trigrain.py -r; -S spec=figure_8_8 for another one.
 The sweep decides what is run and checks the answers; ReFrame starts it and keeps the median times."""
 import json
 import statistics
+from pathlib import Path
 
 import reframe as rfm
 import reframe.utility.sanity as sn
+
+CHECKOUT = str(Path(__file__).resolve().parents[2])
 
 
 @rfm.simple_test
@@ -13,7 +16,7 @@ class TrigrainSweep(rfm.RunOnlyRegressionTest):
 
     spec = variable(str, value="figure_8_5")  # noqa: F821: names that ReFrame gives to the bodies of its classes
     preset = parameter(["smoke"])  # noqa: F821
-    trigrain = variable(str, value=".")  # noqa: F821
+    trigrain = variable(str, value=CHECKOUT)  # noqa: F821
     valid_systems = ["*"]
     valid_prog_environs = ["*"]
 
