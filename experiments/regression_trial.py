@@ -1,10 +1,13 @@
 #!/usr/bin/python3
 """Puts the decision of tools/regress to the test: builds this commit as it is, with one kernel 5 % slower, and with one phase 5 %
 slower, and counts how often each is found, and how often two identical builds are called slower, while another process loads
-a core. What came out is kept in RESULTS/regression_trial.json for the report; after --minutes, the same command goes on.
+a core. What came out is kept after every try in RESULTS/regression_trial.json for the report; after --minutes, or where it was
+ended, the same command goes on with the next try. It may be stopped and continued at any time, as CPU time does not run on
+meanwhile. 40 tries take half an hour on two cores that others use too.
 exit codes: 0 found in every try and at most 1 false alarm in 20, 1 otherwise, 2 not all tries are done, 3 usage, 4 environment"""
 import argparse
 import json
+import signal
 import subprocess
 import sys
 import tempfile
@@ -46,6 +49,13 @@ INJECTED = {
     }
 """)}
 SAME = "same"
+LOAD = """
+import os
+parent = os.getppid()
+while os.getppid() == parent:  # not longer than the trial, however that ends
+    for _ in range(1_000_000):
+        pass
+"""
 
 
 def main() -> int:
@@ -63,7 +73,7 @@ def main() -> int:
     if trial is None:
         trial = {"schema": SCHEMA, "started_utc": now(), "commit": build_all(), "pairs": options.pairs, "machine": None, "tries": []}
         write_json(kept, trial)
-    load = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+    load = subprocess.Popen([sys.executable, "-c", LOAD])
     try:
         with tempfile.TemporaryDirectory() as place:
             for name in missing(trial, options.tries):
@@ -162,6 +172,7 @@ def run(*words: object) -> str:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that nothing is left behind
     try:
         sys.exit(main())
     except KeyboardInterrupt:

@@ -78,7 +78,7 @@ def gate(trial: dict | None) -> str:
     """What experiments/regression_trial.py found out about tools/regress."""
     head = '<h2 id="gate">How small a slow-down is found</h2>'
     if not trial:
-        return f"{head}<p>Not tried yet: <code>experiments/regression_trial.py</code> does, in about twenty minutes.</p>"
+        return f"{head}<p>Not tried yet: <code>experiments/regression_trial.py</code> does, in about half an hour.</p>"
     rows = []
     for build, what in TRIED.items():
         tries = [each for each in trial["tries"] if each["build"] == build]

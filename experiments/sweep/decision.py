@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 SAME, FASTER, SLOWER, UNSTABLE = "same", "faster", "slower", "unstable"
 LEAST_CHANGE = 0.03  # of CPU time
-LEAST_COUNT_CHANGE = 0.005  # of instructions and other exact counts
+LEAST_COUNT_CHANGE = 0.005  # of exact counts; of instructions if the CPU time went the same way
+INSTRUCTIONS_ALONE = 0.02  # of instructions where the CPU time does not tell: the same work laid out anew takes .5 % more or less
 SIGNIFICANCE = 0.01
 LEAST_PAIRS = 15
 EXACT_UP_TO = 14  # pairs: 2^14 sign patterns are all tried, of more pairs so many at random
@@ -22,6 +23,11 @@ class Decision:
     change: float
     p: float
     noise: float
+
+    @property
+    def direction(self) -> int:
+        """1 if the CPU time rose for certain, by however little, -1 if it fell, 0 if it does not tell."""
+        return 0 if self.p >= SIGNIFICANCE else 1 if self.change > 0 else -1
 
 
 def decide(before: list[float], after: list[float]) -> Decision:
@@ -39,6 +45,20 @@ def decide(before: list[float], after: list[float]) -> Decision:
     else:
         verdict = UNSTABLE if noise > LEAST_CHANGE else SAME
     return Decision(verdict, change, p, math.expm1(noise))
+
+
+def with_counts(decision: Decision, instructions: float, work: float) -> str:
+    """The verdict of CPU time and exact counts: `instructions` and `work`, the algorithmic count that rose most, are relative
+    changes. Time decides where it can. Instructions tell if time went their way, or from a bar on that the same work in other
+    machine code does not reach; more work of one kind tells unless it paid off. Neither tells against the time."""
+    if decision.verdict in (SLOWER, FASTER):
+        return decision.verdict
+    for verdict, sign in ((SLOWER, 1), (FASTER, -1)):
+        bar = LEAST_COUNT_CHANGE if decision.direction == sign else INSTRUCTIONS_ALONE
+        if sign * instructions >= bar and decision.direction != -sign:
+            return verdict
+    paid_off = decision.direction < 0 or instructions <= -LEAST_COUNT_CHANGE
+    return SLOWER if work >= LEAST_COUNT_CHANGE and not paid_off else decision.verdict
 
 
 def exact_change(before: float | None, after: float | None) -> float | None:

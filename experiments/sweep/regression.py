@@ -1,4 +1,5 @@
 """Runs fixed work with two builds in turn and compares point by point."""
+import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -8,7 +9,7 @@ from pathlib import Path
 
 from sweep import callgrind
 from sweep.bench import Bench, complaint, point_command, state_command
-from sweep.decision import (FASTER, LEAST_COUNT_CHANGE, SAME, SLOWER, UNSTABLE, Decision, decide, exact_change)
+from sweep.decision import FASTER, SLOWER, UNSTABLE, Decision, decide, exact_change, with_counts
 from sweep.errors import InputError, SweepError
 from sweep.exchange import read_google_benchmark
 from sweep.points import Point, expand
@@ -72,7 +73,10 @@ class Comparison:
 
 def compare_builds(spec: Spec, benches: tuple[Bench, Bench], counted: Counted | None, pairs: int,
                    tell: Callable[[str], None]) -> list[Comparison]:
-    """Runs every point `pairs` times with each build, A B B A A B..., and then, if there is something for it, callgrind."""
+    """Runs every point `pairs` times with each build, A B B A A B..., and then, if there is something for it, callgrind.
+    Each run is of a copy of the program that is made for it: where a file happens to lie in memory changes how fast it
+    runs, by a percent or more and for as long as it stays there; so that is part of the noise and not of the difference. The
+    copies of a point stay until it is done, else the next ones would take their places."""
     points = expand(spec)
     short = expand(counted.spec) if counted else points
     if len(short) != len(points):
@@ -84,10 +88,12 @@ def compare_builds(spec: Spec, benches: tuple[Bench, Bench], counted: Counted | 
         for point, once in zip(points, short):
             sides = (Side(), Side())
             start = _start_state(spec, benches[0], point, Path(place))
-            for number in range(pairs):
-                for which in ((0, 1), (1, 0))[number % 2]:
-                    if not any(side.trouble for side in sides):
-                        _run(spec, benches[which], point, start, sides[which])
+            with tempfile.TemporaryDirectory() as copies:
+                for number in range(pairs):
+                    for which in ((0, 1), (1, 0))[number % 2]:
+                        if not any(side.trouble for side in sides):
+                            copy = _copy(benches[which], Path(copies) / f"{number}-{which}")
+                            _run(spec, copy, point, start, sides[which])
             if counted and not any(side.trouble for side in sides):
                 _count(counted, benches, once, _start_state(counted.spec, benches[0], once, Path(place)), sides)
             found.append(judge(point.name, *sides))
@@ -137,14 +143,10 @@ def judge(name: str, before: Side, after: Side) -> Comparison:
                           f"{before.trouble or after.trouble}")
     decision = decide(before.cpu_s, after.cpu_s)
     comparison = Comparison(name, decision.verdict, decision, before, after, "")
-    larger = [change for change in comparison.counts().values() if change >= LEAST_COUNT_CHANGE]
-    instructions = comparison.counts().get(INSTRUCTIONS, 0)
-    verdict = decision.verdict
-    if verdict in (SAME, UNSTABLE) and larger:
-        verdict = SLOWER
-    elif verdict in (SAME, UNSTABLE) and instructions <= -LEAST_COUNT_CHANGE:
-        verdict = FASTER
-    return replace(comparison, verdict=verdict, why=_why(comparison, decision))
+    counts = comparison.counts()
+    verdict = with_counts(decision, counts.get(INSTRUCTIONS, 0), max((counts.get(each, 0) for each in WORK_COUNTS)))
+    comparison = replace(comparison, verdict=verdict)
+    return replace(comparison, why=_why(comparison, decision))
 
 
 def _why(comparison: Comparison, decision: Decision) -> str:
@@ -155,8 +157,8 @@ def _why(comparison: Comparison, decision: Decision) -> str:
     before, after = comparison.before.phases_s, comparison.after.phases_s
     whole = sum(before.values())
     gains = {phase: (after[phase] - before[phase]) / whole for phase in before if phase in after and whole > 0}
-    if gains and decision.verdict in (SLOWER, FASTER):
-        phase = (max if decision.verdict == SLOWER else min)(gains, key=gains.get)
+    if gains and comparison.verdict in (SLOWER, FASTER):
+        phase = (max if comparison.verdict == SLOWER else min)(gains, key=gains.get)
         words.append(f"mostly in phase {phase}: {100 * gains[phase]:+.1f} % of the step")
     return "; ".join(words)
 
@@ -171,6 +173,15 @@ def _start_state(spec: Spec, bench: Bench, point: Point, place: Path) -> Path | 
         if trouble:
             raise SweepError(f"the start state cannot be computed ({bench.path}: {trouble}). Compare with a version that can.")
     return path
+
+
+def _copy(bench: Bench, folder: Path) -> Bench:
+    """The program once more, in a new folder."""
+    folder.mkdir()
+    try:
+        return replace(bench, path=Path(shutil.copy(bench.path, folder)))
+    except OSError as error:
+        raise SweepError(f"cannot copy {bench.path} ({folder}: {error.strerror}). Name a folder with room in TMPDIR.") from None
 
 
 def _run(spec: Spec, bench: Bench, point: Point, start: Path | None, side: Side) -> None:
@@ -202,4 +213,6 @@ def _trouble(command: list[str], spec: Spec) -> str:
         done = subprocess.run(command, capture_output=True, text=True, timeout=spec.time_limit_s, check=False)
     except subprocess.TimeoutExpired:
         return f"needed more than {spec.time_limit_s:g} s"
+    except OSError as error:
+        raise SweepError(f"{command[0]} does not start ({error.strerror}). Name a folder where programs may run in TMPDIR.") from None
     return "" if done.returncode == 0 else complaint(done)

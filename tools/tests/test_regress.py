@@ -1,8 +1,10 @@
 """The regression gate: its statistics on made-up noise, and the tool with stand-ins for two builds."""
 import json
+import os
 import random
 import subprocess
 import sys
+import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -11,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "experiments"))
 from sweep.bench import find_bench  # noqa: E402
-from sweep.decision import FASTER, LEAST_PAIRS, SAME, SLOWER, UNSTABLE, decide  # noqa: E402
+from sweep.decision import FASTER, LEAST_PAIRS, SAME, SLOWER, UNSTABLE, Decision, decide, with_counts  # noqa: E402
 from sweep.regression import Counted, Side, compare_builds, judge  # noqa: E402
 from sweep.spec import read_spec  # noqa: E402
 
@@ -21,14 +23,14 @@ if "--list" in sys.argv:
     print("kernels\\n  brute: all")
     sys.exit(0)
 call = dict(zip(sys.argv[1::2], sys.argv[2::2]))
-factor, counts = FACTOR, COUNTS
+factor, counts, built = FACTOR, COUNTS, BUILT
 if "--final-state" in call:
-    open(call["--final-state"], "w").write(sys.argv[0])
+    open(call["--final-state"], "w").write(built)
     sys.exit(0)
 if "--start-state" in call:
-    open(sys.argv[0] + ".starts", "a").write(open(call["--start-state"]).read() + "\\n")
-open(sys.argv[0] + ".calls", "a").write("x")
-chance = random.Random(sys.argv[0][-12:] + str(os.path.getsize(sys.argv[0] + ".calls")))  # the same in every test run
+    open(built + ".starts", "a").write(open(call["--start-state"]).read() + "\\n")
+open(built + ".calls", "a").write(f"{sys.argv[0]} {os.stat(sys.argv[0]).st_ino}\\n")
+chance = random.Random(built[-12:] + str(len(open(built + ".calls").readlines())))  # the same in every test run
 noise = lambda: 1 + abs(chance.gauss(0, NOISE))
 samples = [{"cpu_s": factor * noise(), "wall_s": 1, "steps": 10, "phases_s": {"grid": 0.2, "detect": 0.8 * factor}} for _ in range(3)]
 json.dump({"schema": "trigrain-record-1", "point_id": call["--point-id"], "status": "finished", "params": call,
@@ -39,7 +41,7 @@ sys.exit(0 if PASSED else 1)
 VALGRIND = """#!/usr/bin/python3
 import sys
 steps = int(sys.argv[sys.argv.index("--steps") + 1])
-print(f"Collected : {steps * (1010 if '/b/' in ' '.join(sys.argv) else 1000)}", file=sys.stderr)
+print(f"Collected : {steps * (1030 if '/b/' in ' '.join(sys.argv) else 1000)}", file=sys.stderr)
 """
 SPEC = {"fixed": {"scene": "hopper", "steps": 10, "repeats": 3}, "axes": {"kernel": ["brute"]}}
 
@@ -78,10 +80,29 @@ def test_a_significant_change_that_is_too_small_to_matter_is_none():
     assert found.verdict == SAME and found.p < 0.01 and found.change == pytest.approx(0.01, abs=1e-3)
 
 
+@pytest.mark.parametrize("time,p,instructions,work,verdict", [
+    (-0.005, 0.4, 0.0053, 0, SAME),  # the compiler laid the same work out anew
+    (0.01, 0.001, 0.0053, 0, SLOWER),  # little, but both rose
+    (0.01, 0.2, 0.025, 0, SLOWER), (-0.01, 0.001, 0.025, 0, SAME),  # much, unless the time fell
+    (0.05, 0.001, -0.05, 0, SLOWER), (-0.05, 0.001, 0.05, 0.05, FASTER),  # time decides where it can
+    (-0.01, 0.001, -0.01, 0, FASTER), (0, 0.5, -0.01, 0, SAME), (0, 0.5, -0.03, 0, FASTER),
+    (-0.005, 0.4, 0, 0.01, SLOWER), (-0.005, 0.4, -0.01, 0.01, SAME), (-0.01, 0.001, 0, 0.01, SAME)])  # work may pay off
+def test_counts_tell_where_they_are_sure_and_never_against_the_time(time, p, instructions, work, verdict):
+    large = verdict if abs(time) >= 0.03 else SAME
+    assert with_counts(Decision(large, time, p, 0.01), instructions, work) == verdict
+
+
+def test_instructions_that_decide_nothing_are_shown_all_the_same():
+    before = Side([1 + i * 1e-5 for i in range(30)], counts={"instructions": 10_000})
+    found = judge("point", before, Side(before.cpu_s, counts={"instructions": 10_053}))
+    assert found.verdict == SAME and "instructions +0.53 %" in found.why
+
+
 def build(folder: Path, factor: float = 1, noise: float = 0.01, passed: bool = True, **counts: int) -> Path:
     folder.mkdir()
     text = STAND_IN.replace("FACTOR", str(factor)).replace("NOISE", str(noise)).replace("PASSED", str(passed))
-    (folder / "dem_bench").write_text(text.replace("COUNTS", repr(counts or {"triangle_pairs": 1000})))
+    text = text.replace("BUILT", repr(str(folder / "dem_bench"))).replace("COUNTS", repr(counts or {"triangle_pairs": 1000}))
+    (folder / "dem_bench").write_text(text)
     (folder / "dem_bench").chmod(0o755)
     return folder
 
@@ -126,6 +147,27 @@ def test_both_start_from_the_state_that_the_first_computed(tmp_path):
         assert (tmp_path / name / "dem_bench.starts").read_text() == f"{tmp_path}/a/dem_bench\n" * 15
 
 
+def test_every_run_has_a_copy_of_its_own_that_stays_until_the_point_is_done(tmp_path):
+    done = regress(tmp_path, build(tmp_path / "a"), build(tmp_path / "b"), "--pairs", 15)
+    assert done.returncode == 0, done.stdout + done.stderr
+    paths, inodes = zip(*(line.split() for name in "ab" for line in (tmp_path / name / "dem_bench.calls").read_text().splitlines()))
+    assert len(set(paths)) == len(set(inodes)) == 30
+    assert not any(Path(path).exists() or str(tmp_path) in path for path in paths)
+
+
+def test_ended_by_a_signal_it_leaves_nothing_behind(tmp_path):
+    (tmp_path / "tmp").mkdir()
+    (tmp_path / "tried.json").write_text(json.dumps(SPEC))
+    tool = subprocess.Popen([ROOT / "tools/regress", build(tmp_path / "a"), build(tmp_path / "b"), "--spec", tmp_path / "tried.json"],
+                            env={**os.environ, "TMPDIR": str(tmp_path / "tmp")}, stdout=subprocess.DEVNULL)
+    calls, until = tmp_path / "b/dem_bench.calls", time.monotonic() + 60
+    while not calls.exists() and time.monotonic() < until:
+        time.sleep(0.05)
+    assert list((tmp_path / "tmp").iterdir())
+    tool.terminate()
+    assert tool.wait(60) == 143 and not list((tmp_path / "tmp").iterdir())
+
+
 def test_instructions_come_from_the_shorter_runs(tmp_path, monkeypatch):
     (tmp_path / "valgrind").write_text(VALGRIND)
     (tmp_path / "valgrind").chmod(0o755)
@@ -134,8 +176,8 @@ def test_instructions_come_from_the_shorter_runs(tmp_path, monkeypatch):
     spec, short = (read_spec(tmp_path / "tried.json", preset) for preset in (None, "instructions"))
     benches = tuple(find_bench(spec.program, build(tmp_path / name), tmp_path) for name in "ab")
     found, = compare_builds(spec, benches, Counted(tuple(bench.path for bench in benches), short), LEAST_PAIRS, lambda _: None)
-    assert (found.before.counts["instructions"], found.after.counts["instructions"]) == (3000, 3030)
-    assert found.verdict == SLOWER and "instructions +1.00 %" in found.why
+    assert (found.before.counts["instructions"], found.after.counts["instructions"]) == (3000, 3090)
+    assert found.verdict == SLOWER and "instructions +3.00 %" in found.why
     (tmp_path / "valgrind").write_text("#!/bin/sh\necho '==1== bad' >&2; exit 1\n")
     found, = compare_builds(spec, benches, Counted(tuple(bench.path for bench in benches), short), LEAST_PAIRS, lambda _: None)
     assert found.verdict == SAME and "instructions not counted: callgrind: exit code 1: ==1== bad" in found.why
