@@ -30,7 +30,9 @@ SPEC = {"title": "Trial", "fixed": {
     "grid": "regular", "contact_rule": "all-pairs", "scheme": "serial", "threads": 1, "steps": 10, "repeats": 3,
     "check_steps": 1}}
 # name -> file, text, what takes its place
-SOLVE = "  narrow.kernel->closest(list.part(first, count), {.reach = buffer.reach}, hits, buffer.kernel);\n"
+SOLVE = """  narrow.kernel->closest({particles.mesh[pair.a]->triangles.view(), b, triangles}, {.reach = reach}, hits,
+                         buffer.kernel);
+"""
 MERGE = "    s.merge(stats);\n"
 INJECTED = {
     "kernel": ("dem/narrow_phase.cpp", SOLVE, SOLVE + """
@@ -38,7 +40,8 @@ INJECTED = {
     static Hits thrown_away;
     thrown_away.clear();
     KernelCounts not_counted;
-    narrow.kernel->closest(list.part(first, count), {.reach = buffer.reach}, thrown_away, not_counted);
+    narrow.kernel->closest({particles.mesh[pair.a]->triangles.view(), b, triangles}, {.reach = reach}, thrown_away,
+                           not_counted);
   }
 """),
     "phase": ("dem/simulation.cpp", MERGE, MERGE + """

@@ -12,6 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "experiments"))
+from regression_trial import INJECTED  # noqa: E402
 from sweep.bench import find_bench  # noqa: E402
 from sweep.decision import FASTER, LEAST_PAIRS, SAME, SLOWER, UNSTABLE, Decision, decide, with_counts  # noqa: E402
 from sweep.regression import Counted, Side, compare_builds, judge  # noqa: E402
@@ -197,6 +198,12 @@ def test_two_record_sets_are_compared(tmp_path, change, code):
         (tmp_path / name / f"tried/{point.id}.json").write_text(json.dumps(record))
     done = regress(tmp_path, tmp_path / "a", tmp_path / "b")
     assert done.returncode == code, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("name", INJECTED)
+def test_the_slow_downs_of_the_trial_have_their_places_in_the_sources(name):
+    file, text, _ = INJECTED[name]
+    assert (ROOT / file).read_text().count(text) == 1
 
 
 def test_wrong_usage_is_told(tmp_path):
