@@ -28,7 +28,7 @@ SCHEMA = "trigrain-regression-trial-1"
 SPEC = {"title": "Trial", "fixed": {
     "scene": "hopper-dense", "halo": "published", "particles": 64, "vertices": 10, "kernel": "hybrid-pair", "precheck": "none",
     "grid": "regular", "contact_rule": "all-pairs", "scheme": "serial", "threads": 1, "steps": 10, "repeats": 3,
-    "check_steps": 1}}
+    "check_steps": 1, "triangle_search": "every-step"}}
 # name -> file, text, what takes its place
 SOLVE = """  narrow.kernel->closest({particles.mesh[pair.a]->triangles.view(), b, triangles}, {.reach = reach}, hits,
                          buffer.kernel);
