@@ -67,6 +67,12 @@ def foot(figure: Figure, sweep: Sweep) -> None:
     figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7, color=GREY)
 
 
+def legend(axis, **how) -> None:
+    """A legend, where there is something to explain: an empty one is drawn as a small empty box."""
+    if axis.get_legend_handles_labels()[0]:
+        axis.legend(**how)
+
+
 def command_line(draw: Callable[[Path, Path], Drawn], about: str) -> int:
     """Draws one figure from the command line; returns the exit code."""
     parser = argparse.ArgumentParser(description=about)

@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, credit, save
+from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, credit, legend, save
 from records import DRAWN, load_sweep
 
 NAME = "figure_beverloo"
@@ -50,7 +50,7 @@ def draw(results: Path, out: Path) -> Drawn:
                       *np.percentile([c for _, c in runs], (50, 25, 75))]
                      for stiffness, group in ((1, found), (4, stiff)) for opening, runs in group.items()]
         flow.set(xlim=(0, None), ylim=(0, None))
-        flow.legend(fontsize=9)
+        legend(flow, fontsize=9)
         figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
         figure.tight_layout(rect=(0, 0.06, 1, 1))
         return save(figure, Drawn(NAME, sweep, out, notes),

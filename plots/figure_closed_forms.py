@@ -8,7 +8,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, credit, save
+from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, credit, legend, save
 from records import DRAWN, Sweep, load_sweep
 
 NAME = "figure_closed_forms"
@@ -66,7 +66,7 @@ def converges(axis, sweep: Sweep, study: str, over: str, errors: tuple[str, ...]
         x1 = max(x for line in found.values() for x, _ in line)
         axis.plot([x0, x1], [y0, y0 * (x1 / x0)**order], color=GREY, linewidth=0.8, label=f"slope {order:g}")
     if found:
-        axis.legend(fontsize=8, framealpha=0.5)
+        legend(axis, fontsize=8, framealpha=0.5)
     axis.set(xscale="log", yscale="log", xlabel=below, ylabel="error")
     return ""
 
@@ -83,7 +83,7 @@ def balls(axis, sweep: Sweep) -> str:
             axis.plot(triangles, errors, color=colour, marker=marker, label=f"{name}, slope {slope:.2f}")
             said.append(f"{name} {points[-1][1][metric]['value']:.3g}/{'T' if power == 1 else 'sqrt(T)'}")
     axis.set(xscale="log", yscale="log", xlabel="triangles T of an icosphere", ylabel="error of what a ball has")
-    axis.legend(fontsize=8, framealpha=0.5)
+    legend(axis, fontsize=8, framealpha=0.5)
     return f"An icosphere misses of a ball: {', '.join(said)}." if said else ""
 
 

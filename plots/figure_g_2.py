@@ -28,7 +28,8 @@ def draw(results: Path, out: Path) -> Drawn:
         across = min(ACROSS, len(cases))
         bands = -(-len(cases) // across)  # each has a row of panels for either of ROWS
         height = 1.6 + 5.6 * bands
-        figure = Figure(figsize=(max(7, 3.4 * across), height))
+        width = max(7, 3.4 * across)
+        figure = Figure(figsize=(width, height))
         axes = figure.subplots(2 * bands, across, sharex=True, squeeze=False)
         for number, case in enumerate(cases):
             panels = axes[number // across * 2:, number % across][:2]
@@ -48,7 +49,7 @@ def draw(results: Path, out: Path) -> Drawn:
             axis.set_xlabel("steps")
         if rows:
             axes[0][0].legend(fontsize=8)
-        figure.subplots_adjust(left=0.09, right=0.98, top=1 - 0.8 / height, bottom=1.1 / height, wspace=0.08, hspace=0.2)
+        figure.subplots_adjust(left=0.9 / width, right=0.98, top=1 - 0.8 / height, bottom=1.1 / height, wspace=0.08, hspace=0.2)
         header = ["particles", "size_ratio", "gravity_m_s2", "grid", "steps", "compared_per_body", "visited_per_body"]
         return finish(figure, sweep, out, notes(rows), (header, rows))
 

@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, MARKERS, ROOT, STYLE, Drawn, command_line, credit, save
+from figure import COLOURS, GREY, MARKERS, ROOT, STYLE, Drawn, command_line, credit, legend, save
 from records import DRAWN, Point, load_sweep
 
 NAME = "figure_impacts"
@@ -61,7 +61,7 @@ def balls(axis, points: list[Point], others: dict[int, list[dict]]) -> None:
             axis.annotate(other["code"], (test, float(other["tolerance"])), (4, 3), textcoords="offset points", fontsize=7,
                           color=GREY)
     axis.set(yscale="log", xlabel="test", ylabel="relative error, true balls", xticks=range(1, 9), ylim=(FLOOR / 3, 1))
-    axis.legend(fontsize=8, loc="lower left")
+    legend(axis, fontsize=8, loc="lower left")
 
 
 def meshes(axis, points: list[Point]) -> None:
@@ -81,7 +81,7 @@ def meshes(axis, points: list[Point]) -> None:
     axis.plot(guide, 4 / guide, color=GREY, linewidth=0.8)
     axis.annotate("slope -1", (3e3, 4 / 3e3 * 1.3), color=GREY, fontsize=8)
     axis.set(xscale="log", yscale="log", xlabel="triangles of a ball", ylabel="rms error, 16 orientations")
-    axis.legend(fontsize=8, loc="lower left")
+    legend(axis, fontsize=8, loc="lower left")
 
 
 def table(point: Point, others: dict[int, list[dict]]) -> list[list]:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from figure import COLOURS, MARKERS, STYLE, Drawn, foot, head, save
+from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, foot, head, save
 from records import DRAWN, Sweep, load_sweep
 
 RULES = ("all-pairs", "dedupe", "nearest", "features")
@@ -80,14 +80,20 @@ def draw_panel(axis, sweep: Sweep, panel: Panel) -> None:
         known = [(x, size(y)) for x, y, _ in points if y is not None]
         style = {"color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)], "alpha": 0.85,
                  "markersize": 7 - min(number, 4), **line.style}
-        axis.plot([x for x, _ in known], [y for _, y in known], label=line.label if points else None, **style)
+        if points:
+            axis.plot([x for x, _ in known], [y for _, y in known], label=line.label, **style)
         lost = [x for x, y, _ in points if y is None]
         if lost:
             axis.plot(lost, [0.97] * len(lost), linestyle="none", transform=axis.get_xaxis_transform(),
                       **{**style, "marker": "x"})
         bars |= {b for _, _, b in points if b is not None}
         drawn += [y for _, y in known]
-    axis.set(title=panel.title, xlabel=panel.xlabel, ylabel=panel.ylabel, xscale="log" if "x" in panel.log else "linear",
+    axis.set(title=panel.title, xlabel=panel.xlabel, ylabel=panel.ylabel)
+    if not axis.lines:  # an axis without a value cannot be logarithmic
+        axis.set(xticks=[], yticks=[])
+        axis.text(0.5, 0.5, "not run", transform=axis.transAxes, ha="center", va="center", color=GREY)
+        return
+    axis.set(xscale="log" if "x" in panel.log else "linear",
              yscale="log" if "y" in panel.log else "linear")
     if "y" in panel.log and drawn and max(drawn) <= panel.floor:
         axis.set_ylim(panel.floor / 3, 1)
@@ -123,7 +129,7 @@ def draw_panels(name: str, panels: list[Panel], notes: Callable[[Sweep], list[st
         for axis, panel in zip(axes, panels):
             draw_panel(axis, sweep, panel)
             labels = [line.label for line in panel.lines]
-            if len(labels) > 1 and labels not in explained:
+            if len(labels) > 1 and labels not in explained and axis.lines:
                 axis.legend(fontsize=7.5)
                 explained.append(labels)
         if extra:

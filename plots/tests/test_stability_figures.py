@@ -62,3 +62,10 @@ def test_a_critical_step_out_of_its_bar_is_counted(made_up):
 def test_a_mesh_that_fails_is_named(made_up, outcome, said):
     sweep(made_up, "stability_degenerate", {"study": ["degenerate"], "value": [1]}, lambda _: {"open_moving": metric(outcome, 1)})
     assert draw(made_up, "stability_degenerate").notes[0].startswith(said)
+
+
+def test_a_panel_of_which_nothing_was_run_says_so(made_up):
+    sweep(made_up, "stability_rebound", {"study": ["rebound"], "steps_per_contact": [20, 40], "value": [1]},
+          lambda params: {name: metric(1 / params["steps_per_contact"] ** 2) for name in ("restitution_error", "mean_restitution_error")})
+    draw(made_up, "stability_rebound")
+    assert (made_up.folder / "figures/stability_rebound.svg").read_text().count(">not run<") == 2
