@@ -1,5 +1,6 @@
 """Runs fixed work with two builds in turn and compares point by point."""
 import shutil
+import statistics
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -18,14 +19,18 @@ from sweep.store import Store, load_record
 
 WORK_COUNTS = ("candidate_pairs", "body_pairs", "triangle_pairs", "newton_steps", "fall_backs")
 INSTRUCTIONS = "instructions"
+CALM = 0.01  # of a sample's CPU time: so much longer it took at most if nothing held it up
+LEAST_CALM = 3  # samples
 LEAST_TOLD = 5e-5  # of a count: less would read as 0.00 %
 
 
 @dataclass
 class Side:
-    """One of the two: CPU times (s) of a step, least wall times (s) of a step's phases, exact counts per step."""
+    """One of the two: CPU times (s) of a step, wall times (s) of a step's phases in samples that other work did not hold
+    up, exact counts per step."""
     cpu_s: list[float] = field(default_factory=list)
-    phases_s: dict[str, float] = field(default_factory=dict)
+    phases_s: list[dict[str, float]] = field(default_factory=list)
+    held_up: int = 0  # samples
     counts: dict[str, float] = field(default_factory=dict)
     machine: dict = field(default_factory=dict)
     trouble: str = ""
@@ -41,8 +46,11 @@ class Side:
         """Phases, counts and machine of a record."""
         self.machine = record.get("machine") or {}
         for sample in record["samples"]:
-            for phase, seconds in sample.get("phases_s", {}).items():
-                self.phases_s[phase] = min(self.phases_s.get(phase, seconds), seconds / sample["steps"])
+            phases = {phase: seconds / sample["steps"] for phase, seconds in sample.get("phases_s", {}).items()}
+            if phases and sample["wall_s"] <= (1 + CALM) * sample["cpu_s"]:
+                self.phases_s.append(phases)
+            elif phases:
+                self.held_up += 1
         counts = record.get("counts") or {}
         self.counts |= {name: counts[name] / counts["steps"] for name in WORK_COUNTS if name in counts}
 
@@ -154,13 +162,20 @@ def _why(comparison: Comparison, decision: Decision) -> str:
     words += [f"{name.replace('_', ' ')} {100 * change:+.2f} %" for name, change in comparison.counts().items()
               if abs(change) >= LEAST_TOLD]
     words += [f"instructions not counted: {why}" for why in [comparison.before.not_counted or comparison.after.not_counted] if why]
-    before, after = comparison.before.phases_s, comparison.after.phases_s
-    whole = sum(before.values())
-    gains = {phase: (after[phase] - before[phase]) / whole for phase in before if phase in after and whole > 0}
-    if gains and comparison.verdict in (SLOWER, FASTER):
-        phase = (max if comparison.verdict == SLOWER else min)(gains, key=gains.get)
-        words.append(f"mostly in phase {phase}: {100 * gains[phase]:+.1f} % of the step")
-    return "; ".join(words)
+    words.append(_phase(comparison) if comparison.verdict in (SLOWER, FASTER) else "")
+    return "; ".join(filter(None, words))
+
+
+def _phase(comparison: Comparison) -> str:
+    """The phase that changed most in the direction of the verdict. Phases have wall times: samples that waited tell nothing."""
+    both = comparison.before.phases_s, comparison.after.phases_s
+    if min(map(len, both)) < LEAST_CALM:
+        held_up = comparison.before.held_up + comparison.after.held_up
+        return "other work held the runs up too often to name the phase" if held_up else ""
+    before, after = ({phase: statistics.median(each.get(phase, 0) for each in samples) for phase in samples[0]} for samples in both)
+    gains = {phase: (after[phase] - before[phase]) / sum(before.values()) for phase in before if phase in after}
+    phase = (max if comparison.verdict == SLOWER else min)(gains, key=gains.get)
+    return f"mostly in phase {phase}: {100 * gains[phase]:+.1f} % of the step"
 
 
 def _start_state(spec: Spec, bench: Bench, point: Point, place: Path) -> Path | None:

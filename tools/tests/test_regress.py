@@ -33,7 +33,8 @@ if "--start-state" in call:
 open(built + ".calls", "a").write(f"{sys.argv[0]} {os.stat(sys.argv[0]).st_ino}\\n")
 chance = random.Random(built[-12:] + str(len(open(built + ".calls").readlines())))  # the same in every test run
 noise = lambda: 1 + abs(chance.gauss(0, NOISE))
-samples = [{"cpu_s": factor * noise(), "wall_s": 1, "steps": 10, "phases_s": {"grid": 0.2, "detect": 0.8 * factor}} for _ in range(3)]
+samples = [{"cpu_s": s, "wall_s": s, "steps": 10, "phases_s": {"grid": 0.2, "detect": 0.8 * factor}}
+           for s in [factor * noise() for _ in range(3)]]
 json.dump({"schema": "trigrain-record-1", "point_id": call["--point-id"], "status": "finished", "params": call,
            "check": {"passed": PASSED, "how": []}, "samples": samples, "counts": {"steps": 10, **counts}}, open(call["--record"], "w"))
 print("check step FAILED: too long" * (not PASSED))
@@ -135,9 +136,24 @@ def test_a_table_that_cannot_be_written_is_told_after_it_was_printed(tmp_path):
 
 @pytest.mark.parametrize("factor,told", [(1.05, "slower in phase merge: +5.0 %"), (0.95, "faster in phase detect: -8.0 %")])
 def test_the_phase_that_is_named_went_the_way_of_the_whole(factor, told):
-    before = Side([1 + i * 1e-5 for i in range(30)], {"detect": 0.9, "merge": 0.1})
-    found = judge("point", before, Side([factor * s for s in before.cpu_s], {"detect": 0.82, "merge": 0.15}))
+    before = Side([1 + i * 1e-5 for i in range(30)], 3 * [{"detect": 0.9, "merge": 0.1}])
+    after = Side([factor * s for s in before.cpu_s], 3 * [{"detect": 0.82, "merge": 0.15}])
+    found = judge("point", before, after)
     assert found.verdict == told.split()[0] and "mostly in phase " + told.split("phase ")[1] in found.why
+
+
+def test_samples_that_other_work_held_up_name_no_phase():
+    sides = Side(), Side()
+    for side, factor in zip(sides, (1, 1.05)):
+        for number in range(30):
+            cpu_s = factor * (1 + number * 1e-5)
+            waited = {"wall_s": 3 * cpu_s, "phases_s": {"detect": 0.9 + 2 * cpu_s, "merge": 0.1 * factor}}
+            side.add({"samples": [{"cpu_s": cpu_s, "steps": 1, **waited}]})
+    found = judge("point", *sides)
+    assert found.verdict == SLOWER and "held the runs up" in found.why and "mostly" not in found.why
+    for side, merge_s in zip(sides, (0.1, 0.15)):
+        side.look_at({"samples": 3 * [{"cpu_s": 1, "wall_s": 1.005, "steps": 1, "phases_s": {"detect": 0.9, "merge": merge_s}}]})
+    assert "mostly in phase merge: +5.0 % of the step" in judge("point", *sides).why
 
 
 def test_both_start_from_the_state_that_the_first_computed(tmp_path):
@@ -194,7 +210,7 @@ def test_two_record_sets_are_compared(tmp_path, change, code):
         (tmp_path / name / "tried").mkdir(parents=True)
         (tmp_path / name / "tried/index.json").write_text("{}")
         record = {"schema": "trigrain-record-1", "point_id": point.id, "status": "finished", "check": {"passed": True},
-                  "samples": [{"cpu_s": factor * (1 + 0.001 * (i % 7)), "steps": 1} for i in range(20)], "counts": None}
+                  "samples": [{"cpu_s": factor * (1 + 0.001 * (i % 7)), "wall_s": 2, "steps": 1} for i in range(20)], "counts": None}
         (tmp_path / name / f"tried/{point.id}.json").write_text(json.dumps(record))
     done = regress(tmp_path, tmp_path / "a", tmp_path / "b")
     assert done.returncode == code, done.stdout + done.stderr
