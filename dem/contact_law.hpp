@@ -15,6 +15,12 @@ struct Spring {
   double energy;     ///< held by the normal spring (J)
 };
 
+/// By how much, relative, a spring and its dashpot are stiffer in a step (s) for the force that has acted since
+/// velocities were those of half a step ago.
+inline double lag(const Spring& spring, const Contact& contact, double step_s) {
+  return spring.damping * step_s / (2 * contact.share * contact.mass);
+}
+
 /// A way to turn the overlap of two bodies into a force.
 struct ContactLaw {
   std::string_view name;

@@ -118,7 +118,7 @@ std::span<Contact> ContactList::lay_out(int i, std::span<const WorkerBuffer> buf
   const Pair& pair = pairs_[i];
   const auto found = buffers[pair.worker].contacts.begin() + pair.found;
   std::transform(found, found + pair.count, contacts_.begin() + pair.first, [](const Touch& t) { return Contact{t}; });
-  return std::span(contacts_).subspan(pair.first, pair.count);
+  return within(contacts_, pair);
 }
 
 void ContactList::fetch(int i, std::span<const WorkerBuffer> buffers, const Particles& particles) const {

@@ -17,16 +17,13 @@ class ContactList {
     int worker, found;
     int first, count;
   };
-  template <class T> static std::span<const T> within(const std::vector<T>& list, const Pair& pair) {
-    return std::span(list).subspan(pair.first, pair.count);
-  }
+  static auto within(auto& list, const Pair& pair) { return std::span(list).subspan(pair.first, pair.count); }
 
  public:
   /// Sorts the pairs that the workers found, and remembers the springs of the last step's contacts. The contacts are
   /// there once lay_out() was called for every pair. Allocates only to grow.
   void gather(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team);
 
-  std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
 
   /// Body pairs that touch.
@@ -36,9 +33,7 @@ class ContactList {
   /// What the same two bodies had in the last step; empty if nothing.
   std::span<const HeldSpring> last_of_pair(int pair) const;
   /// The springs of its contacts, for the caller to fill: what last_of_pair() returns in the next step.
-  std::span<HeldSpring> springs_of(int pair) {
-    return std::span(springs_).subspan(pairs_[pair].first, pairs_[pair].count);
-  }
+  std::span<HeldSpring> springs_of(int pair) { return within(springs_, pairs_[pair]); }
   /// What the pair does to its bodies.
   void set_reaction(int pair, const Reaction& reaction) { reactions_[pair] = reaction; }
   /// Before a pair is laid out: fetches what it needs from far off in memory, while others are worked on.

@@ -1,6 +1,7 @@
 #include "dem/contact_step_limit.hpp"
 #include "dem/block_sum.hpp"
 #include "dem/contact_law.hpp"
+#include "dem/critical_step.hpp"
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
@@ -38,7 +39,7 @@ void ContactStepLimit::couple(const Particles& p, const ContactParameters& law, 
                        c.share * kt,
                        s.damping,
                        std::sqrt(kt / s.tangent) * s.damping,
-                       s.damping / (2 * c.share * c.mass)};
+                       lag(s, c, 1)};
     }
   });
 }
@@ -103,8 +104,8 @@ double ContactStepLimit::of(const Particles& p, const ContactParameters& law, co
     mode += respond(p, contacts, team);
     if (!(mode.k > 0)) break;
     scale_ = 1 / mode.size;
-    const double k = mode.k / mode.m, c = mode.c / mode.m, last = step;
-    step = 4 / (c + std::sqrt(c * c + 4 * k)); // h^2 k + 2 h c = 4
+    const double last = step;
+    step = stable_step(mode.k / mode.m, mode.c / mode.m);
     if (round > 10 && std::abs(step - last) < 1e-6 * step) break;
   }
   return step;

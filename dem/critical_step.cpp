@@ -56,6 +56,8 @@ double turning(const Body& body) {
 
 } // namespace
 
+double stable_step(double k, double c) { return 4 / (c + std::sqrt(c * c + 4 * k)); }
+
 double critical_step(const Scene& scene) {
   double first = 0, second = 0; // the two largest inverse effective masses (1/kg); fixed bodies have 0
   double most = 1;

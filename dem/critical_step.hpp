@@ -10,4 +10,8 @@ namespace trigrain {
 /// steps still: contact_step_limit() knows those that it touches.
 double critical_step(const Scene& scene);
 
+/// Largest step h (s) at which symplectic Euler is stable for an oscillator of stiffness k and damping c per mass
+/// (1/s2, 1/s), its dashpot fed with the velocity of half a step ago: h^2 k + 2 h c = 4.
+double stable_step(double k, double c);
+
 } // namespace trigrain

@@ -1,13 +1,13 @@
 #include "dem/feature_contacts.hpp"
 #include "dem/contact_rule.hpp"
 #include "dem/edge_array.hpp"
+#include "dem/vectors.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/placement.hpp"
 #include "kernels/point_triangle.hpp"
 #include "kernels/segment.hpp"
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 namespace trigrain {
@@ -15,8 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Point = Vec3<double>;
-
-Vector3d eigen(const Point& v) { return {v.x, v.y, v.z}; }
 
 struct Segment {
   Point x0, x1;
@@ -153,7 +151,7 @@ void edges_cross(int feature_a, int feature_b, const Segment& e, const Segment& 
 }
 
 /// Bits of the edges first, first + 1, ... that are closest to `e` between their ends and within reach (m), but for
-/// rounding: without a division.
+/// rounding: without a division. Those beyond the last edge are undefined.
 unsigned may_cross(const Segment& e, const EdgeArray& edges, int first, double reach) {
   const auto all = [](const Point& x) {
     return Vec3<Lanes>{broadcast<Lanes>(x.x), broadcast<Lanes>(x.y), broadcast<Lanes>(x.z)};
@@ -162,9 +160,8 @@ unsigned may_cross(const Segment& e, const EdgeArray& edges, int first, double r
   const Vec3<Lanes> u = all(e.x1 - e.x0), v = y1 - y0, r = y0 - all(e.x0), n = cross(u, v);
   const Lanes nn = squared(n), height = dot(r, n), s = dot(cross(r, v), n), t = dot(cross(r, u), n),
               none = broadcast<Lanes>(0);
-  const unsigned cross =
-      bits_of((s > none) & (s < nn) & (t > none) & (t < nn) & (height * height < broadcast<Lanes>(reach * reach) * nn));
-  return edges.size() - first < lane_count ? cross & ((1u << (edges.size() - first)) - 1) : cross;
+  return bits_of((s > none) & (s < nn) & (t > none) & (t < nn) &
+                 (height * height < broadcast<Lanes>(reach * reach) * nn));
 }
 
 } // namespace
@@ -186,10 +183,10 @@ void add_feature_contacts(const Particles& particles, BodyPair pair, const Place
   for (const auto& [i, pack] : near.edge_pairs()) {
     const FeaturePairs::Edge& e = a.edges[i];
     const Segment of_a{at_a[e.from], at_a[e.to]};
-    for (unsigned bits = may_cross(of_a, edges_b, pack, reach); bits != 0; bits &= bits - 1) {
-      const FeaturePairs::Edge& f = b.edges[pack + std::countr_zero(bits)];
+    for_lanes(may_cross(of_a, edges_b, pack, reach), pack, edges_b.size(), [&](int j) {
+      const FeaturePairs::Edge& f = b.edges[j];
       edges_cross(e.name, f.name, of_a, {at_b[f.from], at_b[f.to]}, reach, writer);
-    }
+    });
   }
   std::sort(contacts.begin() + first, contacts.end(), by_features);
 }

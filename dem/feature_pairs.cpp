@@ -1,5 +1,6 @@
 #include "dem/feature_pairs.hpp"
 #include "dem/edge_array.hpp"
+#include "dem/vectors.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/placement.hpp"
 #include "kernels/point_triangle.hpp"
@@ -13,8 +14,6 @@ namespace trigrain {
 namespace {
 
 using Point = Vec3<double>;
-
-Point vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Axis-parallel box.
 struct Bounds {

@@ -52,7 +52,7 @@ double fastest_stopped_squared(const ContactParameters& parameters, const Contac
 /// of a step that its overlap tells, at first with a dashpot that grows as overlap to the power q.
 double dashpot(const Spring& s, const Contact& c, const HeldSpring& tangential, double separation_speed,
                double step_s) {
-  const double z = s.damping * step_s / (2 * c.share * c.mass), way = -separation_speed * step_s;
+  const double z = lag(s, c, step_s), way = -separation_speed * step_s;
   const bool opens = tangential.stiffness == 0 && c.overlap < way;
   if (!opens) return s.damping / std::sqrt(1 + z);
   double part = .5 + c.overlap / way;

@@ -1,4 +1,5 @@
 #include "dem/grid.hpp"
+#include "dem/vectors.hpp"
 #include "kernels/sphere.hpp"
 #include <algorithm>
 #include <cmath>
@@ -74,11 +75,10 @@ bool Grid::reaches(const Particles& particles, int body, int level, const Index3
   const auto [known, is_new] = fixed_reach_[body].try_emplace(tree_.key(level, index), false);
   if (is_new) {
     const Eigen::Vector3d vertex = tree_.place_of(level, index);
-    const Eigen::Vector3d local = particles.orientation[body].conjugate() * (vertex - particles.position[body]);
     const double corner = std::sqrt(3.) * tree_.level(level).cell_size; // of the box of half-width h
     const double reach = 1.001 * (corner + particles.halo[body] + skin_);
     std::vector<int> near;
-    triangles_near_point(particles.mesh[body]->triangles.view(), {local.x(), local.y(), local.z()}, reach, near);
+    triangles_near_point(particles.mesh[body]->triangles.view(), vec3(particles.to_body(body, vertex)), reach, near);
     known->second = !near.empty();
   }
   return known->second;

@@ -1,20 +1,18 @@
 #include "dem/kept_pairs.hpp"
+#include "dem/vectors.hpp"
 
 namespace trigrain {
 
 RelativePose relative_pose(const Particles& p, BodyPair pair) {
   const auto [a, b] = pair;
-  const Eigen::Quaterniond to_a = p.orientation[a].conjugate();
-  RelativePose pose{to_a * p.orientation[b], to_a * (p.position[b] - p.position[a]), {}};
-  pose.smaller =
-      p.radius[b] <= p.radius[a] ? pose.centre : p.orientation[b].conjugate() * (p.position[a] - p.position[b]);
+  RelativePose pose{p.orientation[a].conjugate() * p.orientation[b], p.to_body(a, p.position[b]), {}};
+  pose.smaller = p.radius[b] <= p.radius[a] ? pose.centre : p.to_body(b, p.position[a]);
   return pose;
 }
 
 Placement placement_of(const RelativePose& pose) {
   const Eigen::Matrix3d turn = pose.turn.toRotationMatrix();
-  const auto row = [&](int i) { return Vec3<double>{turn(i, 0), turn(i, 1), turn(i, 2)}; };
-  return {{row(0), row(1), row(2)}, {pose.centre.x(), pose.centre.y(), pose.centre.z()}};
+  return {{vec3(turn.row(0)), vec3(turn.row(1)), vec3(turn.row(2))}, vec3(pose.centre)};
 }
 
 void KeptPair::keep_triangles(const Hits& hits, std::span<const int> number_b) {

@@ -1,4 +1,6 @@
 #include "dem/mesh.hpp"
+#include "dem/surface.hpp"
+#include "dem/vectors.hpp"
 #include "kernels/name_table.hpp"
 #include <Eigen/Eigenvalues>
 #include <bit>
@@ -74,40 +76,17 @@ int number_parts(Mesh& mesh) {
   return parts;
 }
 
-/// Per face: does it bound the solid? Faces whose corners coincide and repetitions of a face do not.
-std::vector<char> bounding_faces(const std::vector<Face>& faces) {
-  std::vector<std::pair<Face, int>> sorted;
-  std::vector<char> bounds(faces.size(), 0);
-  for (int i = 0; i < static_cast<int>(faces.size()); ++i) {
-    Face f = faces[i];
-    if (f[0] == f[1] || f[1] == f[2] || f[2] == f[0]) continue;
-    std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
-    sorted.emplace_back(f, i);
-  }
-  std::sort(sorted.begin(), sorted.end());
-  for (std::size_t i = 0; i < sorted.size(); ++i)
-    bounds[sorted[i].second] = i == 0 || sorted[i].first != sorted[i - 1].first;
-  return bounds;
-}
-
 /// Per part: is every edge used exactly once in each direction?
 std::vector<char> closed_parts(const Mesh& mesh, const std::vector<char>& bounds, int parts) {
   std::vector<char> closed(parts, 0);
-  std::vector<std::pair<int, int>> edges;
   std::vector<int> part_of(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    const Face& f = mesh.faces[i];
-    part_of[f[0]] = mesh.part[i];
     if (!bounds[i]) continue;
     closed[mesh.part[i]] = 1;
-    for (int k = 0; k < 3; ++k) edges.emplace_back(f[k], f[(k + 1) % 3]), part_of[f[k]] = mesh.part[i];
+    for (const int v : mesh.faces[i]) part_of[v] = mesh.part[i];
   }
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const bool repeated = i > 0 && edges[i] == edges[i - 1];
-    if (repeated || !std::binary_search(edges.begin(), edges.end(), std::pair(edges[i].second, edges[i].first)))
-      closed[part_of[edges[i].first]] = 0;
-  }
+  for (const EdgeUse& use : edge_uses(mesh.faces, bounds))
+    if (!use.is_closed()) closed[part_of[use.low]] = 0;
   return closed;
 }
 
@@ -234,7 +213,7 @@ void move_to_body_frame(Mesh& mesh) {
 
 void index_triangles(Mesh& mesh, Cuts cuts) {
   std::vector<Vec3<double>> vertices;
-  for (const Vector3d& v : mesh.vertices) vertices.push_back({v.x(), v.y(), v.z()});
+  for (const Vector3d& v : mesh.vertices) vertices.push_back(vec3(v));
   mesh.triangles.clear();
   for (const Face& f : mesh.faces) mesh.triangles.push_back({vertices[f[0]], vertices[f[1]], vertices[f[2]]});
   mesh.octree = Octree(vertices, mesh.triangles.view(), cuts);

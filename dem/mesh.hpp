@@ -25,10 +25,13 @@ struct Mesh {
   double volume = 0;                     ///< m3
   Eigen::Vector3d inertia{0, 0, 0};      ///< principal moments at density 1 (m5)
   Eigen::Vector3d origin{0, 0, 0};       ///< centre of mass in the shape's own frame (m)
-  Eigen::Quaterniond axes{1, 0, 0, 0};   ///< x_shape = origin + axes * x_body
+  Eigen::Quaterniond axes{1, 0, 0, 0};   ///< turn the body frame into the shape's own
   double curvature_radius =              ///< of the smooth surface that the mesh stands for (m); infinite if flat
       std::numeric_limits<double>::infinity();
   double radius = 0; ///< of the bounding sphere about the body frame's origin (m)
+
+  /// x (m, body frame) in the shape's own frame.
+  Eigen::Vector3d in_shape_frame(const Eigen::Vector3d& x) const { return origin + axes * x; }
 };
 
 /// Finishes a mesh from vertices and faces in the shape's own frame (m): merges equal vertices, numbers the connected

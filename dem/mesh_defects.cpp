@@ -1,17 +1,13 @@
 #include "dem/mesh_defects.hpp"
+#include "dem/surface.hpp"
 #include "kernels/name_table.hpp"
 #include "kernels/precheck.hpp"
-#include <map>
-#include <set>
 #include <sstream>
-#include <utility>
 
 namespace trigrain {
 namespace {
 
 using Eigen::Vector3d;
-
-Vector3d in_shape_frame(const Mesh& mesh, const Vector3d& body) { return mesh.origin + mesh.axes * body; }
 
 /// Where the segment pq goes through triangle abc, by more than `least` (m) from all of their ends.
 std::optional<Vector3d> through(const Vector3d& p, const Vector3d& q, const std::array<Vector3d, 3>& triangle,
@@ -38,24 +34,14 @@ std::string in_words(const Vector3d& point) {
 }
 
 std::string why_massless(const Mesh& mesh) {
-  std::map<std::pair<int, int>, std::pair<int, int>> uses; // of each edge: triangles that run it upward and downward
-  std::set<std::array<int, 3>> seen;
-  for (std::array<int, 3> f : mesh.faces) {
-    std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
-    if (f[0] == f[1] || f[1] == f[2] || f[2] == f[0] || !seen.insert(f).second) continue; // no bound of the solid
-    for (int k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(f[k], f[(k + 1) % 3]);
-      ++(f[k] == low ? uses[{low, high}].first : uses[{low, high}].second);
-    }
-  }
   int wrong = 0;
   std::string first;
-  for (const auto& [edge, n] : uses) {
-    if (n == std::pair(1, 1)) continue;
-    const int triangles = n.first + n.second;
+  for (const EdgeUse& edge : edge_uses(mesh.faces, bounding_faces(mesh.faces))) {
+    if (edge.is_closed()) continue;
+    const int triangles = edge.up + edge.down;
     if (++wrong == 1)
-      first = "the edge from " + in_words(in_shape_frame(mesh, mesh.vertices[edge.first])) + " to " +
-              in_words(in_shape_frame(mesh, mesh.vertices[edge.second])) + " m " +
+      first = "the edge from " + in_words(mesh.in_shape_frame(mesh.vertices[edge.low])) + " to " +
+              in_words(mesh.in_shape_frame(mesh.vertices[edge.high])) + " m " +
               (triangles == 1   ? "has a triangle on one side only"
                : triangles == 2 ? "has two triangles that face different ways"
                                 : "belongs to " + std::to_string(triangles) + " triangles");
@@ -78,7 +64,7 @@ std::optional<Vector3d> self_crossing(const Mesh& mesh) {
     const auto edges = corners(pair.i), face = corners(candidates.number_b[pair.j]);
     for (int k = 0; k < 3; ++k)
       if (const auto x = through(edges[k], edges[(k + 1) % 3], face, grazing * mesh.radius))
-        return in_shape_frame(mesh, *x);
+        return mesh.in_shape_frame(*x);
   }
   return {};
 }

@@ -1,5 +1,6 @@
 #include "dem/narrow_phase.hpp"
 #include "dem/feature_contacts.hpp"
+#include "dem/vectors.hpp"
 #include "kernels/placement.hpp"
 #include "kernels/sphere.hpp"
 #include <algorithm>
@@ -11,14 +12,6 @@ using Eigen::Vector3d;
 
 /// Triangle pairs of a part: some microseconds of a kernel, and a multiple of every batch.
 constexpr int part_size = 256;
-
-Vec3<double> vec3(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Vector3d eigen(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
-
-/// x in the body frame of `body`.
-Vector3d to_body(const Particles& p, int body, const Vector3d& x) {
-  return p.orientation[body].conjugate() * (x - p.position[body]);
-}
 
 // --- one body pair
 
@@ -76,7 +69,7 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
   const Mesh& mesh = *particles.mesh[body];
   const TrianglesView triangles = mesh.triangles.view();
   const double r = particles.radius[sphere], place = particles.contact_place(body, sphere);
-  const Vec3<double> centre = vec3(to_body(particles, body, particles.position[sphere]));
+  const Vec3<double> centre = vec3(particles.to_body(body, particles.position[sphere]));
   const std::size_t first = buffer.contacts.size();
   narrow.precheck->triangles({triangles, &mesh.octree}, centre, r + buffer.reach, buffer.near);
   for (int i : buffer.near) {

@@ -26,6 +26,10 @@ struct Particles {
   double contact_place(int a, int b) const {
     return fixed(b) ? 0 : inverse_mass[b] / (inverse_mass[a] + inverse_mass[b]);
   }
+  /// x (m, world) in the frame of body i.
+  Eigen::Vector3d to_body(int i, const Eigen::Vector3d& x) const {
+    return orientation[i].conjugate() * (x - position[i]);
+  }
   bool is_sphere(int i) const { return mesh[i] == nullptr; }
   /// World frame (rad/s); 0 for fixed bodies.
   Eigen::Vector3d angular_velocity(int i) const;

@@ -115,7 +115,7 @@ double sticking_step(const Scene& scene) {
     const double per_inertia = contacts * both_turn * along * lever * lever / (.4 * m * r * r);
     const double k = per_inertia * law.tangential_ratio * law.stiffness;
     const double c = per_inertia * 2 * law.damping_ratio * std::sqrt(law.tangential_ratio * law.stiffness * m / 2);
-    step = std::min(step, 4 / (c + std::sqrt(c * c + 4 * k))); // h^2 k + 2 h c = 4
+    step = std::min(step, stable_step(k, c));
   }
   return step;
 }

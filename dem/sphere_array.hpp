@@ -1,7 +1,6 @@
 #pragma once
 #include "kernels/lanes.hpp"
 #include <Eigen/Core>
-#include <bit>
 #include <vector>
 
 namespace trigrain {
@@ -29,9 +28,7 @@ class SphereArray {
     for (int first = begin; first < end; first += lane_count) {
       const Lanes dx = load(x_, first) - x, dy = load(y_, first) - y, dz = load(z_, first) - z;
       const Lanes reach = load(r_, first) + r;
-      unsigned near = bits_of(dx * dx + dy * dy + dz * dz <= reach * reach * Lanes(wider));
-      if (end - first < lane_count) near &= (1u << (end - first)) - 1;
-      for (; near != 0; near &= near - 1) visit(first + std::countr_zero(near));
+      for_lanes(bits_of(dx * dx + dy * dy + dz * dz <= reach * reach * Lanes(wider)), first, end, visit);
     }
   }
 

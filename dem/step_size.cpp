@@ -1,5 +1,6 @@
 #include "dem/step_size.hpp"
 #include "dem/fast_bodies.hpp"
+#include "dem/vectors.hpp"
 #include "kernels/sphere.hpp"
 #include <algorithm>
 #include <cmath>
@@ -30,12 +31,11 @@ double time_to_close(double gap, double speed, double acceleration, double last)
 
 /// Distance of x (m, world) from the triangles of a body, or `far` if that is less.
 double distance_to_mesh(const Particles& p, int body, const Vector3d& x, double far, std::vector<int>& scratch) {
-  const Vector3d local = p.orientation[body].conjugate() * (x - p.position[body]);
+  const Vec3<double> local = vec3(p.to_body(body, x));
   const TrianglesView triangles = p.mesh[body]->triangles.view();
-  triangles_near_point(triangles, {local.x(), local.y(), local.z()}, far, scratch);
+  triangles_near_point(triangles, local, far, scratch);
   double least2 = far * far;
-  for (const int i : scratch)
-    least2 = std::min(least2, closest_point({local.x(), local.y(), local.z()}, triangles[i]).distance2);
+  for (const int i : scratch) least2 = std::min(least2, closest_point(local, triangles[i]).distance2);
   return std::sqrt(least2);
 }
 

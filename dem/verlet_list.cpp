@@ -1,4 +1,5 @@
 #include "dem/verlet_list.hpp"
+#include "dem/vectors.hpp"
 #include "kernels/name_table.hpp"
 #include "kernels/precheck.hpp"
 #include <Eigen/Geometry>
@@ -17,8 +18,7 @@ bool is_apart_from_wall(const Particles& p, BodyPair pair, double skin) {
   const auto [body, wall] = p.fixed(pair.b) ? std::pair(pair.a, pair.b) : std::pair(pair.b, pair.a);
   if (!p.fixed(wall) || p.is_sphere(wall)) return false;
   const Mesh& mesh = *p.mesh[wall];
-  const Eigen::Vector3d x = p.orientation[wall].conjugate() * (p.position[body] - p.position[wall]);
-  octree.triangles({mesh.triangles.view(), &mesh.octree}, {x.x(), x.y(), x.z()},
+  octree.triangles({mesh.triangles.view(), &mesh.octree}, vec3(p.to_body(wall, p.position[body])),
                    p.radius[body] + p.halo[body] + p.halo[wall] + skin, near);
   return near.empty();
 }

@@ -9,8 +9,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 /// One JSON file being read; `where` is the path of a key, as in bodies[3].position_m.
 struct Reader {
   std::filesystem::path file;
@@ -64,6 +62,8 @@ FinalState final_state(const Simulation& simulation, double start_time) {
   }
   return state;
 }
+
+Json array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 Json to_json(const FinalState& state) {
   Json bodies = Json::array();

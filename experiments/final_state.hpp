@@ -16,6 +16,9 @@ struct FinalState {
 /// The state of `simulation`; `start_time` (s) is the simulated time at which it began.
 FinalState final_state(const Simulation& simulation, double start_time = 0);
 
+/// [x, y, z]
+nlohmann::ordered_json array_of(const Eigen::Vector3d& v);
+
 /// JSON of experiments/schema/final_state.json; every double survives the round trip bit by bit.
 nlohmann::ordered_json to_json(const FinalState& state);
 

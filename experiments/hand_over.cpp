@@ -6,8 +6,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 Json shape_json(const Particles& p, int i) {
   if (p.is_sphere(i)) return {{"radius_m", p.radius[i]}};
   Json points = Json::array(), faces = Json::array();

@@ -93,8 +93,6 @@ Json energy_json(const Energy& energy) {
           {"damping", energy.damping}, {"friction", energy.friction},   {"outside", energy.outside}};
 }
 
-Json array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 /// What the run has lost or gained against its own books; null before the first sample.
 Json accuracy_json(const Sample& sample) {
   const Energy &first = sample.initial, &last = sample.final;

@@ -1,4 +1,5 @@
 #include "experiments/verify.hpp"
+#include "dem/vectors.hpp"
 #include "kernels/name_table.hpp"
 #include <algorithm>
 #include <cmath>
@@ -15,9 +16,6 @@ using Eigen::Vector3d;
 
 constexpr double tolerance = 1e-12; // of S: some hundred roundings of double
 constexpr int block_side = 8;       // triangles per body of a block
-
-Vector3d eigen(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
-Vec3<double> vec3(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 Vector3d centroid(const Triangle& t) { return (eigen(t.a0) + eigen(t.a1) + eigen(t.a2)) / 3; }
 
@@ -59,7 +57,7 @@ TriangleBlock make_block(const Particles& p, BodyPair pair, std::mt19937_64& ran
     return p.orientation[a].conjugate() * (p.position[b] - p.position[a] + p.orientation[b] * x);
   };
   const Vector3d b_seen_from_a = to_a(Vector3d::Zero());
-  const Vector3d a_seen_from_b = p.orientation[b].conjugate() * (p.position[a] - p.position[b]);
+  const Vector3d a_seen_from_b = p.to_body(b, p.position[a]);
   TriangleBlock block{.a = {}, .b = {}, .reach = p.halo[a] + p.halo[b]};
   for (const int i : choose(*p.mesh[a], b_seen_from_a, random)) block.a.push_back(p.mesh[a]->triangles.view()[i]);
   for (const int j : choose(*p.mesh[b], a_seen_from_b, random))

@@ -230,6 +230,13 @@ template <class Mask> [[gnu::always_inline]] inline unsigned bits_of(const Mask&
   }
 }
 
+/// Calls visit(first + lane) for the lanes whose bit is set, in order; those from `end` on do not count.
+template <class Visit>
+[[gnu::always_inline]] inline void for_lanes(unsigned bits, int first, int end, const Visit& visit) {
+  if (end - first < lane_count) bits &= (1u << (end - first)) - 1;
+  for (; bits != 0; bits &= bits - 1) visit(first + std::countr_zero(bits));
+}
+
 /// to[0], to[1], ... = those of the eight elements whose bit is set; returns how many. Writes eight: what follows the
 /// last of them is undefined. Without branches where the machine can compress a register.
 template <class E> [[gnu::always_inline]] inline int store_selected(const std::array<E, 8>& x, unsigned bits, E* to) {

@@ -24,8 +24,7 @@ Vector3d centre(const Body& b) { return b.mesh ? b.position + b.orientation * b.
 
 std::vector<Vector3d> corners(const Body& b) {
   std::vector<Vector3d> list;
-  for (const Vector3d& v : b.mesh->vertices)
-    list.push_back(b.position + b.orientation * (b.mesh->origin + b.mesh->axes * v));
+  for (const Vector3d& v : b.mesh->vertices) list.push_back(b.position + b.orientation * b.mesh->in_shape_frame(v));
   return list;
 }
 
@@ -322,7 +321,7 @@ TEST(MeshFile, WrittenAsTextOrBinaryItComesBack) {
     text << "facet normal 0 0 0\n outer loop\n";
     for (int k = 0; k < 3; ++k) put(0);
     for (const int v : face) {
-      const Vector3d p = m.origin + m.axes * m.vertices[v];
+      const Vector3d p = m.in_shape_frame(m.vertices[v]);
       text << "  vertex " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
       put(p.x()), put(p.y()), put(p.z());
     }
@@ -337,8 +336,8 @@ TEST(MeshFile, WrittenAsTextOrBinaryItComesBack) {
     ASSERT_EQ(back.faces.size(), m.faces.size()) << name;
     for (std::size_t f = 0; f < m.faces.size(); ++f)
       for (int k = 0; k < 3; ++k) {
-        const Vector3d p = back.origin + back.axes * back.vertices[back.faces[f][k]];
-        EXPECT_LT((p - 3 * (m.origin + m.axes * m.vertices[m.faces[f][k]])).norm(), 1e-6) << name;
+        const Vector3d p = back.in_shape_frame(back.vertices[back.faces[f][k]]);
+        EXPECT_LT((p - 3 * m.in_shape_frame(m.vertices[m.faces[f][k]])).norm(), 1e-6) << name;
       }
     EXPECT_NEAR(back.volume, 27 * m.volume, 27e-6 * m.volume) << name; // the files hold floats
     EXPECT_LT((back.origin - 3 * m.origin).norm(), 1e-6) << name;

@@ -16,7 +16,7 @@ constexpr double pi = std::numbers::pi;
 
 /// The mesh with its vertices as the shape has them: origin and axes undone.
 Mesh in_shape_frame(Mesh m) {
-  for (Vector3d& v : m.vertices) v = m.origin + m.axes * v;
+  for (Vector3d& v : m.vertices) v = m.in_shape_frame(v);
   return m;
 }
 
@@ -86,7 +86,7 @@ TEST(Granulate, IsAClosedConvexHullOfPointsInItsShell) {
       ASSERT_LE(m.faces.size(), 2u * points - 4);
       ASSERT_EQ(m.faces.size(), 2 * m.vertices.size() - 4); // Euler: one closed surface
       for (const Vector3d& v : m.vertices) {
-        const double r = (m.origin + m.axes * v).norm();
+        const double r = m.in_shape_frame(v).norm();
         ASSERT_LE(r, .01 * (1 + 1e-14));
         ASSERT_GE(r, .0075 * (1 - 1e-14));
       }

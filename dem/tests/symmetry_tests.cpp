@@ -23,7 +23,7 @@ struct Shape {
 
 Shape shape_of(const Mesh& mesh) {
   Shape shape{{}, mesh.faces};
-  for (const Vector3d& x : mesh.vertices) shape.vertices.push_back(mesh.origin + mesh.axes * x);
+  for (const Vector3d& x : mesh.vertices) shape.vertices.push_back(mesh.in_shape_frame(x));
   return shape;
 }
 

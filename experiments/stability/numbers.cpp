@@ -1,5 +1,6 @@
 #include "experiments/stability/numbers.hpp"
 #include "dem/random.hpp"
+#include "dem/vectors.hpp"
 #include "experiments/stability/setups.hpp"
 #include "kernels/kernels.hpp"
 #include "kernels/name_table.hpp"
@@ -14,8 +15,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double size = .1, reach = 2e-3; // m
-
-Vec3<double> vec3(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 using Place = std::function<Vector3d(const Vector3d&)>;
 

@@ -53,7 +53,7 @@ double lowest_point(const Body& body) {
   if (!body.mesh) return -body.sphere_radius;
   double lowest = 0;
   for (const Vector3d& x : body.mesh->vertices)
-    lowest = std::min(lowest, (body.orientation * (body.mesh->origin + body.mesh->axes * x)).y());
+    lowest = std::min(lowest, (body.orientation * body.mesh->in_shape_frame(x)).y());
   return lowest;
 }
 

@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LAYERS = {"kernels": {"kernels"}, "dem": {"kernels", "dem"}, "experiments": {"kernels", "dem", "experiments"}}
 
 # Parts of dem, each of one or more files, and the parts they may see beside themselves.
-PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "mesh_defects", "shape_file", "shape_features"}, "scene": {"scene", "scenes", "load_scene", "critical_step", "hertz"},
+PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "mesh_defects", "shape_file", "shape_features", "surface"}, "scene": {"scene", "scenes", "load_scene", "critical_step", "hertz"},
          "particles": {"particles"}, "grid": {"grid", "grid_kind", "grid_pairs", "grid_projection", "spacetree", "dense_grid", "pair_source", "sphere_array",
                   "verlet_list"}, "contact": {"contact"},
          "contact_rule": {"contact_rule"}, "features": {"feature_pairs", "feature_contacts", "edge_array"},
@@ -19,12 +19,12 @@ PARTS = {"mesh": {"mesh", "shapes", "load_mesh", "mesh_defects", "shape_file", "
          "simulation": {"simulation"}, "random": {"random"}, "step_size": {"step_size"}, "loads": {"loads"},
          "phase_observer": {"phase_observer"}, "contact_step_limit": {"contact_step_limit"}, "contact_law": {"contact_law"},
          "budget": {"budget"}, "json_reader": {"json_reader"}, "block_sum": {"block_sum"}, "fast_bodies": {"fast_bodies"},
-         "watch": {"watch"}}
-BASE = {"mesh": {"random"}, "scene": {"mesh", "random", "json_reader"}, "particles": {"scene", "mesh"}, "random": set(),
+         "watch": {"watch"}, "vectors": {"vectors"}}
+BASE = {"vectors": set(), "mesh": {"random", "vectors"}, "scene": {"mesh", "random", "json_reader"}, "particles": {"scene", "mesh"}, "random": set(),
         "json_reader": set(), "loads": set(), "step_stats": set(), "phase_observer": {"step_stats"}, "runtime": {"phase_observer", "step_stats"}}
-MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime", "step_stats"}, "contact": set(), "contact_rule": {"contact", "particles", "mesh"},
-                  "features": {"contact", "contact_rule", "grid", "particles", "mesh"},
-                  "narrow_phase": {"contact_rule", "contact", "features", "grid", "particles", "mesh"},
+MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime", "step_stats", "vectors"}, "contact": set(), "contact_rule": {"contact", "particles", "mesh"},
+                  "features": {"contact", "contact_rule", "grid", "particles", "mesh", "vectors"},
+                  "narrow_phase": {"contact_rule", "contact", "features", "grid", "particles", "mesh", "vectors"},
                   "scheme": {"narrow_phase", "grid", "particles", "runtime"},
                   "contact_list": {"contact", "narrow_phase", "particles", "runtime"},
                   "forces": {"particles", "contact", "scene", "loads", "contact_law"}, "contact_law": {"particles", "contact", "scene", "mesh"},
@@ -32,7 +32,7 @@ MAY_SEE = BASE | {"grid": {"particles", "scene", "runtime", "step_stats"}, "cont
                   "contact_step_limit": {"particles", "contact", "scene", "contact_law", "contact_list", "runtime", "block_sum"},
                   "motion": {"particles", "contact", "scene", "loads"},
                   "fast_bodies": {"particles"},
-                  "step_size": {"grid", "particles", "loads", "fast_bodies"},
+                  "step_size": {"grid", "particles", "loads", "fast_bodies", "vectors"},
                   "watch": {"budget", "contact_list", "contact_step_limit", "fast_bodies", "forces", "particles", "runtime", "step_stats"},
                   "simulation": set(PARTS) - {"simulation"}}
 

@@ -109,7 +109,7 @@ TEST(Verify, the_sample_is_in_the_frame_of_the_first_body) {
   const Particles& p = simulation.particles();
   const auto is_vertex = [&](int body, const Vec3<double>& x) { // x in the first body's frame
     const Eigen::Vector3d world = p.position[0] + p.orientation[0] * Eigen::Vector3d(x.x, x.y, x.z);
-    const Eigen::Vector3d local = p.orientation[body].conjugate() * (world - p.position[body]);
+    const Eigen::Vector3d local = p.to_body(body, world);
     const auto& vertices = p.mesh[body]->vertices;
     return std::any_of(vertices.begin(), vertices.end(), [&](const auto& v) { return (v - local).norm() < 1e-14; });
   };

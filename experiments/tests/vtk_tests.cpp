@@ -75,7 +75,7 @@ TEST(Vtk, a_frame_holds_every_triangle_where_it_is) {
       const auto corner = static_cast<std::size_t>(corners[3 * t + k]);
       ASSERT_LT(3 * corner + 2, points.size());
       const Eigen::Vector3d x(points[3 * corner], points[3 * corner + 1], points[3 * corner + 2]);
-      const Eigen::Vector3d local = particles.orientation[body[t]].conjugate() * (x - particles.position[body[t]]);
+      const Eigen::Vector3d local = particles.to_body(body[t], x);
       if (body[t] == 0)
         EXPECT_NEAR(local.cwiseAbs().maxCoeff(), .5, 1e-14) << "a corner of the cube";
       else
