@@ -62,9 +62,9 @@ def head(figure: Figure, sweep: Sweep) -> None:
     figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
 
 
-def foot(figure: Figure, sweep: Sweep) -> None:
-    """Where the numbers come from below a figure."""
-    figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7, color=GREY)
+def foot(figure: Figure, sweep: Sweep, text: str | None = None) -> None:
+    """Where the numbers come from below a figure, or `text`."""
+    figure.text(0.5, 0.008, text or credit(sweep), ha="center", va="bottom", fontsize=7, color=GREY)
 
 
 def legend(axis, **how) -> None:

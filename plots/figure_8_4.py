@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from figure import GREY, STYLE, Drawn, command_line, credit, save
+from figure import GREY, STYLE, Drawn, command_line, foot, head, save
 from frames import Frame, read_frame, read_frames, standing
 from records import DRAWN, NothingToDraw, Sweep, load_sweep
 
@@ -28,7 +28,7 @@ def draw(results: Path, out: Path) -> Drawn:
     rows = []
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(10, 8.8))
-        figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
+        head(figure, sweep)
         if not frames:
             figure.text(0.5, 0.5, f"{sweep.points[0].state} {sweep.points[0].why}", ha="center", color=GREY)
         else:
@@ -39,7 +39,7 @@ def draw(results: Path, out: Path) -> Drawn:
             rows = [row for frame in frames for row in body_rows(frame, walls)]
             bar = figure.add_axes((0.3, 0.085, 0.4, 0.012))
             figure.colorbar(ScalarMappable(scale, "viridis"), cax=bar, orientation="horizontal", label="speed (m/s)")
-        figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
+        foot(figure, sweep)
         figure.subplots_adjust(left=0, right=1, top=0.95, bottom=0.12, wspace=0, hspace=0.05)
         header = ["time_s", "body", "x_m", "y_m", "z_m", "speed_m_s"]
         return save(figure, Drawn(NAME, sweep, out, notes), header, rows)

@@ -4,24 +4,17 @@ import sys
 from pathlib import Path
 
 from figure import Drawn, command_line
-from scaling import Panel, draw_scaling
+from scaling import NOMINAL, PLAIN_CURVES, VERTICES, Panel, draw_scaling
 
 PANELS = [
     Panel("adaptive grid", {"grid": "adaptive"}, "C18.F5c"),
     Panel("regular grid (ours, not published)", {"grid": "regular"}),
 ]
-NOTES = [
-    "Published curves (Krestenitis and Weinzierl 2018, figure 5, another machine of 2016) show their shape only: each is scaled "
-    "so that its one-thread value equals ours.",
-    "The source prints \"triangles per particle\" for what is the number of hull input points, here vertices: at most "
-    "2 N - 4 triangles for N of them.",
-    "10 000 is nominal: the published scene places 30 x 30 x 12 = 10 800 particles, and so does ours.",
-]
 
 
 def draw(results: Path, out: Path) -> Drawn:
     """Reads RESULTS/figure_8_6, writes OUT/figure_8_6.svg, .png and .csv."""
-    return draw_scaling("figure_8_6", PANELS, NOTES, (results, out))
+    return draw_scaling("figure_8_6", PANELS, [PLAIN_CURVES, VERTICES, NOMINAL], (results, out))
 
 
 if __name__ == "__main__":

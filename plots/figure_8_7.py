@@ -8,7 +8,7 @@ import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from figure import COLOURS, GREY, STYLE, Drawn, command_line, credit, save
+from figure import COLOURS, STYLE, Drawn, command_line, foot, head, save
 from records import load_sweep
 from timeline import Timeline, median_step
 
@@ -34,8 +34,8 @@ def draw(results: Path, out: Path) -> Drawn:
             axes[-1].set_xlabel("time since the beginning of the step (µs)")
             figure.legend(handles=[Patch(color=colour, label=label) for label, colour in KINDS.values()], ncol=4, fontsize=8.5,
                           loc="lower center", frameon=False, bbox_to_anchor=(0.5, 0.4 / height))
-        figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
-        figure.text(0.5, 0.01, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
+        head(figure, sweep)
+        foot(figure, sweep)
         figure.subplots_adjust(left=0.1, right=0.96, top=1 - 0.7 / height, bottom=1.3 / height, hspace=0.25)
     rows = [[step.threads, step.step, bar.thread, bar.what, f"{bar.begin:.3f}", f"{bar.length:.3f}"]
             for step in steps for bar in step.bars]

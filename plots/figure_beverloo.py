@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, credit, legend, save
+from figure import COLOURS, MARKERS, STYLE, Drawn, command_line, foot, head, legend, save
 from records import DRAWN, load_sweep
 
 NAME = "figure_beverloo"
@@ -22,7 +22,7 @@ def draw(results: Path, out: Path) -> Drawn:
     rows, notes = [], []
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(11, 5))
-        figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
+        head(figure, sweep)
         flow, change = figure.subplots(1, 2, width_ratios=(1.5, 1))
         flow.set(xlabel="opening D / grain diameter d", ylabel=r"(mass flow / ($\rho\, g^{1/2} d^{5/2}$))$^{2/5}$")
         change.axhspan(-3, 3, color="#009E73", alpha=0.12)
@@ -51,7 +51,7 @@ def draw(results: Path, out: Path) -> Drawn:
                      for stiffness, group in ((1, found), (4, stiff)) for opening, runs in group.items()]
         flow.set(xlim=(0, None), ylim=(0, None))
         legend(flow, fontsize=9)
-        figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
+        foot(figure, sweep)
         figure.tight_layout(rect=(0, 0.06, 1, 1))
         return save(figure, Drawn(NAME, sweep, out, notes),
                     ["vertices", "stiffness", "opening_d", "seeds", "median_flow", "flow_quartile_25", "flow_quartile_75",

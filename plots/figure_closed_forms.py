@@ -8,7 +8,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, credit, legend, save
+from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, foot, head, legend, save
 from records import DRAWN, Sweep, load_sweep
 
 NAME = "figure_closed_forms"
@@ -25,7 +25,7 @@ def draw(results: Path, out: Path) -> Drawn:
     sweep = load_sweep(results, NAME)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(12, 8))
-        figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
+        head(figure, sweep)
         axes = figure.subplots(2, 3).ravel()
         notes = [
             converges(axes[0], sweep, "rigid-impact", "stiffness", ("velocity_error", "spin_error"), "tilted cube, {:g} deg",
@@ -38,7 +38,7 @@ def draw(results: Path, out: Path) -> Drawn:
             converges(axes[4], sweep, "bounce", "stiffness", ("time_to_rest_error",), "bouncing, e = {:g}",
                       "stiffness / 1e9 N/m", -0.5),
             beside_bars(axes[5], sweep)]
-        figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
+        foot(figure, sweep)
         figure.tight_layout(rect=(0, 0.04, 1, 0.98))
         rows = [[p.params["study"], p.params["value"], p.params["level"], p.params["stiffness"], name, m["value"], m["bar"],
                  m["within"]] for p in sweep.points if p.state == DRAWN for name, m in p.record["metrics"].items()]

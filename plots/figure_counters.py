@@ -11,7 +11,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, STYLE, Drawn, command_line, credit, save
+from figure import COLOURS, GREY, STYLE, Drawn, command_line, foot, head, save
 from published import table_1
 from records import DRAWN, EXPECTED, Point, Sweep, load_sweep
 
@@ -33,12 +33,12 @@ def draw(results: Path, out: Path) -> Drawn:
         figure = Figure(figsize=(10, 6.8))
         grid = figure.add_gridspec(2, 2, height_ratios=(3, 2), left=0.07, right=0.9, top=0.9, bottom=0.13, hspace=0.2,
                                    wspace=0.45)
-        figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
+        head(figure, sweep)
         stacked(figure.add_subplot(grid[0, 0]), points, "wall time per step (us above the bars)", times)
         stacked(figure.add_subplot(grid[0, 1]), points, "instructions per step (above the bars)",
                 lambda point: instructions(counters[point.id]))
         table(figure.add_subplot(grid[1, :]), points, counters)
-        figure.text(0.5, 0.01, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
+        foot(figure, sweep)
         return save(figure, Drawn(NAME, sweep, out, notes(sweep, counters)), HEADER, rows(points, counters))
 
 

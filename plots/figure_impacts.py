@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, MARKERS, ROOT, STYLE, Drawn, command_line, credit, legend, save
+from figure import COLOURS, GREY, MARKERS, ROOT, STYLE, Drawn, command_line, foot, head, legend, save
 from records import DRAWN, Point, load_sweep
 
 NAME = "figure_impacts"
@@ -26,10 +26,10 @@ def draw(results: Path, out: Path) -> Drawn:
     others = tolerances()
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(11, 5.4))
-        figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
+        head(figure, sweep)
         balls(figure.add_subplot(1, 2, 1), points, others)
         meshes(figure.add_subplot(1, 2, 2), points)
-        figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
+        foot(figure, sweep)
         figure.tight_layout(rect=(0, 0.05, 1, 0.98))
         rows = [row for p in points for row in table(p, others)]
         notes = [f"{sum(row[8] == 'yes' for row in rows)} of {sum(row[8] != '' for row in rows)} quantities of true balls are "

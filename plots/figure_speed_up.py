@@ -9,7 +9,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, credit, save
+from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, foot, head, save
 from records import Point, Sweep, load_sweep
 
 NAME = "figure_speed_up"
@@ -36,8 +36,8 @@ def draw(results: Path, out: Path) -> Drawn:
             axis.set_title(title)
             axis.set_xticks(range(len(labels)), labels)
             axis.set_xlim(-0.5, len(labels) - 0.5)
-        figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
-        figure.text(0.5, 0.012, credit(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
+        head(figure, sweep)
+        foot(figure, sweep)
         figure.subplots_adjust(left=0.07, right=0.98, top=0.86, bottom=0.22, wspace=0.15)
         return save(figure, Drawn(NAME, sweep, out, [_sentence(row) for row in rows]), HEADER, rows)
 

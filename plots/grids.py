@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, MARKERS, Drawn, credit, save
+from figure import COLOURS, MARKERS, Drawn, credit, foot, head, save
 from records import Point, Sweep
 
 KINDS = ("regular-dense", "regular", "adaptive", "reluctant", "none", "linked-cells")
@@ -52,14 +52,14 @@ def step_s(point: Point) -> float:
     return statistics.median(sample["wall_s"] / sample["steps"] for sample in point.record["samples"])
 
 
-def foot(sweep: Sweep) -> str:
+def _origin(sweep: Sweep) -> str:
     """Points that are missing, and where the numbers come from."""
     return "\n".join([*_absent(sweep)[:4], credit(sweep)])
 
 
 def foot_inches(sweep: Sweep) -> float:
     """Height of the foot."""
-    return 0.1 + 0.135 * (1 + foot(sweep).count("\n"))
+    return 0.1 + 0.135 * (1 + _origin(sweep).count("\n"))
 
 
 def _absent(sweep: Sweep) -> list[str]:
@@ -69,6 +69,6 @@ def _absent(sweep: Sweep) -> list[str]:
 
 def finish(figure: Figure, sweep: Sweep, out: Path, notes: list[str], table: tuple[list[str], list[list]]) -> Drawn:
     """Title, missing points and origin of the numbers; then SVG, PNG, and the table (header, rows) as CSV."""
-    figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
-    figure.text(0.5, 0.008, foot(sweep), ha="center", va="bottom", fontsize=7.5, color=GREY)
+    head(figure, sweep)
+    foot(figure, sweep, _origin(sweep))
     return save(figure, Drawn(sweep.name, sweep, out, [*_absent(sweep), *notes]), *table)

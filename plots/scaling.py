@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, credit, save
+from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, credit, foot, head, save
 from projections import Projection, projection_of
 from published import figures
 from records import DRAWN, Point, Sweep, load_sweep
@@ -20,6 +20,15 @@ HEADER = ["panel", "grid", "scheme", "particles", "vertices", "threads", "state"
           "median_us_per_particle_step", "min_us_per_particle_step", "max_us_per_particle_step",
           "published_scaled_us", "record"]
 PROJECTED = "projected"  # the state of rows that nobody measured
+# What the notes of these figures say of the published curves and scenes.
+PLAIN_CURVES = ("Published curves (Krestenitis and Weinzierl 2018, figure 5, another machine of 2016) show their shape only: each is "
+                "scaled so that its one-thread value equals ours.")
+TASK_CURVES = ("Published curves (Krestenitis and Weinzierl 2018, figure 7, another machine of 2016) show their shape only. Their "
+               "one-thread task run takes half the time of their one-thread plain run, about its own time on two threads: probably "
+               "one traversing and one working thread. They are therefore scaled so that the plain one-thread value equals ours.")
+VERTICES = ("The source prints \"triangles per particle\" for what is the number of hull input points, here vertices: at most "
+            "2 N - 4 triangles for N of them.")
+NOMINAL = "10 000 is nominal: the published scene places 30 x 30 x 12 = 10 800 particles, and so does ours."
 
 
 @dataclass(frozen=True)
@@ -234,14 +243,13 @@ def _finish(figure: Figure, axes: list[Axes], sweep: Sweep, more: list) -> None:
         handles.append(Line2D([], [], color=colour, marker=marker, label=f"{vertices} vertices per particle"))
     handles.append(Line2D([], [], color=GREY, linestyle=":", label="ideal"))
     handles += more
-    figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12, y=0.98)
+    head(figure, sweep)
     figure.legend(handles=handles, loc="lower center", ncol=3, fontsize=8.5, frameon=False, bbox_to_anchor=(0.5, 0.085))
     samples = next((point for point in sweep.drawn()), None)
     what = f"median and range of {len(samples.record['samples'])} samples of {samples.record['samples'][0]['steps']} " \
            "steps; " if samples else ""
     width = 88 if len(axes) == 1 else 150
-    foot = "\n".join(textwrap.fill(line, width) for line in (what + credit(sweep)).split("\n"))
-    figure.text(0.5, 0.012, foot, ha="center", va="bottom", fontsize=7.5, color=GREY)
+    foot(figure, sweep, "\n".join(textwrap.fill(line, width) for line in (what + credit(sweep)).split("\n")))
     figure.subplots_adjust(left=0.14 if len(axes) == 1 else 0.08, right=0.98, top=0.88, bottom=0.27, wspace=0.06)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib
 from matplotlib.figure import Figure
 
-from figure import COLOURS, GREY, MARKERS, STYLE, Drawn, command_line, credit, save
+from figure import COLOURS, MARKERS, STYLE, Drawn, command_line, foot, head, save
 from kernel_points import found
 from records import Sweep, load_sweep
 
@@ -26,14 +26,14 @@ def draw(results: Path, out: Path) -> Drawn:
     sweep = load_sweep(results, NAME)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(11, 7), layout="constrained")
-        figure.suptitle(f"{sweep.title} ({sweep.preset})", fontsize=12)
+        head(figure, sweep)
         for axis, (metric, label) in zip(figure.subplots(2, 2).ravel(), METRICS.items()):
             panel(axis, sweep, metric)
             axis.set(xscale="log", yscale="log", xlabel="Newton steps", ylabel=label, ylim=(FLOOR.get(metric, 1e-6) / 3, 3))
             axis.set_xticks([1, 2, 4, 8, 16], ["1", "2", "4", "8", "16"])
             axis.minorticks_off()
         figure.axes[0].legend(fontsize=8)
-        figure.text(0.5, 0.008, credit(sweep), ha="center", va="bottom", fontsize=7, color=GREY)
+        foot(figure, sweep)
         figure.get_layout_engine().set(rect=(0, 0.05, 1, 0.95))
         rows = [[p.params["kernel"], p.params["schedule"], p.params["steps"], *(found(p, m) for m in METRICS),
                  found(p, "fall_back_share"), p.id] for p in sweep.drawn()]

@@ -1,10 +1,12 @@
 """The bodies that dem_bench hands over (experiments/schema/hand_over.json), as other engines want them."""
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+DENSITY = 1000  # kg/m3, of all built-in scenes
 # Of its halo, that a moving mesh grows by: sharp corners come out further than round halos, and so as many bodies touch.
 SHARE_OF_HALO = .98
 
@@ -50,6 +52,11 @@ def read_bodies(path: Path) -> Bodies:
                   law["stiffness_N_m"], law["damping_ratio"], law["friction"], law["tangential_ratio"])
 
 
+def ball_radius(mass: np.ndarray) -> np.ndarray:
+    """Of balls of these masses (m)."""
+    return np.cbrt(3 * mass / (4 * math.pi * DENSITY))
+
+
 def _shape(body: dict) -> float | Mesh:
     shape, halo = body["shape"], body["halo_m"]
     if "radius_m" in shape:
@@ -57,11 +64,16 @@ def _shape(body: dict) -> float | Mesh:
     return grown(Mesh(np.array(shape["points_m"]), np.array(shape["faces"])), halo if body["fixed"] else SHARE_OF_HALO * halo)
 
 
-def grown(mesh: Mesh, halo: float) -> Mesh:
-    """Every face moved outwards by `halo` (m); a vertex of more than three planes moves to the least squares of them."""
+def _normals(mesh: Mesh) -> np.ndarray:
+    """Unit normals of the faces."""
     corners = mesh.points[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def grown(mesh: Mesh, halo: float) -> Mesh:
+    """Every face moved outwards by `halo` (m); a vertex of more than three planes moves to the least squares of them."""
+    normals = _normals(mesh)
     moved = mesh.points.copy()
     for i in range(len(moved)):
         planes = normals[np.any(mesh.faces == i, axis=1)]
@@ -84,8 +96,6 @@ def parts(mesh: Mesh) -> list[Mesh]:
 def convex(mesh: Mesh) -> bool:
     """Whether no point lies outside of a face, but for 1e-9 of the mesh's size."""
     used = mesh.points[np.unique(mesh.faces)]
-    corners = mesh.points[mesh.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    out = normals @ used.T - np.sum(normals * corners[:, 0], axis=1, keepdims=True)
+    normals = _normals(mesh)
+    out = normals @ used.T - np.sum(normals * mesh.points[mesh.faces[:, 0]], axis=1, keepdims=True)
     return bool(out.max() <= 1e-9 * np.ptp(used, axis=0).max())

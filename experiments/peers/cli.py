@@ -12,6 +12,7 @@ from peers import liggghts, yade
 from peers.bodies import read_bodies
 from peers.outcome import Run, Unable
 from peers.record import record_of
+from sweep.store import write_json
 
 OURS = "trigrain"
 PEERS = {"liggghts": liggghts, "yade": yade}
@@ -108,9 +109,7 @@ def _compare(dem_bench: Path, options: argparse.Namespace, others: list[str]) ->
     samples = sorted(outcome.wall_s)
     print(f"{1e6 * samples[(len(samples) - 1) // 2] / options.steps / len(bodies.mass):.3g} us per particle and step")
     if options.record:
-        part = options.record.with_suffix(f".{os.getpid()}.tmp")
-        part.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-        os.replace(part, options.record)
+        write_json(options.record, record)
     return FINE if record["check"]["passed"] else CHECK_FAILED
 
 

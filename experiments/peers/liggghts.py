@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from peers.bodies import Bodies, Mesh
-from peers.outcome import Outcome, Run, Unable
+from peers.outcome import OF_SPHERES, Outcome, Run, Unable
 
 PROGRAM = "liggghts"
-DIFFERS = ("the same linear spring, dashpot and Coulomb friction; radii include the halo, so that the levers of friction and the "
-           "moments of inertia are larger; spins start from ours, tangential springs from 0")
+DIFFERS = OF_SPHERES + "spins start from ours, tangential springs from 0"
 
 
 def run(bodies: Bodies, wanted: Run, folder: Path) -> Outcome:

@@ -3,6 +3,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# How spheres of other engines differ from ours, up to where they start from.
+OF_SPHERES = ("the same linear spring, dashpot and Coulomb friction; radii include the halo, so that the levers of friction and the "
+              "moments of inertia are larger; ")
+
 
 class Unable(Exception):
     """The peer cannot run this point here; says why."""

@@ -5,10 +5,9 @@ import os
 
 import numpy as np
 
-from peers.bodies import Bodies
+from peers.bodies import Bodies, ball_radius
 from peers.outcome import Outcome
 
-DENSITY = 1000       # kg/m3, of all built-in scenes
 OTHER_CONTACTS = .2  # share of ours by which the number of touching pairs may differ
 OTHER_PLACES = .1    # radii by which half of the bodies may be elsewhere
 OTHER_FALL = .05     # radii that a body falls to be as much faster than ours as allowed
@@ -32,7 +31,7 @@ def record_of(options: argparse.Namespace, ours: dict, start: Bodies, end: Bodie
 def _checks(ours: dict, start: Bodies, end: Bodies, outcome: Outcome) -> list[dict]:
     """The peer's bodies must end where ours do, hardly faster, and as many of them touch."""
     mass, contacts = start.mass, ours["counts"]["contacts"] / ours["counts"]["steps"]
-    radius = np.cbrt(3 * mass / (4 * math.pi * DENSITY))
+    radius = ball_radius(mass)
     there = int(np.isfinite(outcome.position).all(axis=1).sum())
     away = np.median(np.linalg.norm(outcome.position - end.position, axis=1) / radius)
     speed, our_speed = (math.sqrt(mass @ np.sum(v ** 2, axis=1) / mass.sum()) for v in (outcome.velocity, end.velocity))

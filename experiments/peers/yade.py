@@ -7,20 +7,19 @@ from pathlib import Path
 
 import numpy as np
 
-from peers.bodies import Bodies, convex, parts
-from peers.outcome import Outcome, Run, Unable
+from peers.bodies import DENSITY, SHARE_OF_HALO, Bodies, ball_radius, convex, parts
+from peers.outcome import OF_SPHERES, Outcome, Run, Unable
 
 PROGRAM = "yade"
-OF_SPHERES = ("the same linear spring, dashpot and Coulomb friction; radii include the halo, so that the levers of friction and the "
-              "moments of inertia are larger; tangential springs start from 0")
-OF_GRAINS = ("convex hulls grown by .98 of the halo, with corners where our halos are round; the force is "
-             "proportional to the volume of overlap and acts at its centre, one contact for each pair; no dashpot, instead global damping of .3; tangential springs start from 0")
 GLOBAL_DAMPING, WHILE_SETTLING = 0.3, 0.8  # of polyhedra, as YADE's own examples have it; and in the warm-up
+OF_GRAINS = (f"convex hulls grown by {SHARE_OF_HALO:g} of the halo, with corners where our halos are round; the force is proportional to "
+             "the volume of overlap and acts at its centre, one contact for each pair; no dashpot, instead global damping of "
+             f"{GLOBAL_DAMPING:g}; ")
 
 
 def run(bodies: Bodies, wanted: Run, folder: Path) -> Outcome:
     """Unable if YADE does not end well."""
-    task = {"step_s": bodies.step_s, "gravity": bodies.gravity, "friction_angle": math.atan(bodies.friction),
+    task = {"step_s": bodies.step_s, "gravity": bodies.gravity, "friction_angle": math.atan(bodies.friction), "density": DENSITY,
             "skin_m": wanted.skin * 2 * _smallest(bodies), "steps": wanted.steps, "warmup": wanted.warmup,
             "repeats": wanted.repeats, "mass": bodies.mass.tolist(), "position": bodies.position.tolist(),
             "velocity": bodies.velocity.tolist(), "angular_velocity": bodies.angular_velocity.tolist(),
@@ -34,8 +33,8 @@ def run(bodies: Bodies, wanted: Run, folder: Path) -> Outcome:
         said = (folder / "log.txt").read_text(encoding="utf-8", errors="replace").splitlines()
         raise Unable(f"exit code {done.returncode}: {(said or ['it said nothing'])[-1]}")
     answer = json.loads((folder / "answer.json").read_text(encoding="ascii"))
-    return Outcome(answer["version"], OF_SPHERES if bodies.spheres else OF_GRAINS, answer["wall_s"], answer["contacts"],
-                   np.array(answer["position"]), np.array(answer["velocity"]))
+    differs = (OF_SPHERES if bodies.spheres else OF_GRAINS) + "tangential springs start from 0"
+    return Outcome(answer["version"], differs, answer["wall_s"], answer["contacts"], np.array(answer["position"]), np.array(answer["velocity"]))
 
 
 def _smallest(bodies: Bodies) -> float:
@@ -61,6 +60,6 @@ def _shapes(bodies: Bodies) -> dict:
         return {"radius": list(bodies.shapes), "damping": 0, "damping_of_warmup": 0,
                 "material": {"kn": 2 * k, "ks": 2 * k * ratio, "cn": 2 * normal, "cs": 2 * normal * math.sqrt(ratio)}}
     # as stiff as our springs where a face of the square of the mean radius is in contact; its modulus is half of young
-    radius = np.cbrt(3 / (4 * math.pi) * np.mean(bodies.mass) / 1000)
+    radius = ball_radius(np.mean(bodies.mass))
     return {"points": [mesh.points.tolist() for mesh in bodies.shapes], "damping": GLOBAL_DAMPING, "damping_of_warmup": WHILE_SETTLING,
             "material": {"young": 2 * bodies.stiffness / radius ** 2}}

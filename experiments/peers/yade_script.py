@@ -9,12 +9,12 @@ log.setLevel("Default", log.FATAL)
 task = json.load(open(sys.argv[1], encoding="ascii"))
 spheres = "radius" in task
 if spheres:
-    material = ViscElMat(density=1000, frictionAngle=task["friction_angle"], **task["material"])
+    material = ViscElMat(density=task["density"], frictionAngle=task["friction_angle"], **task["material"])
     bounds, shapes = [Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom()]
     physics, law = Ip2_ViscElMat_ViscElMat_ViscElPhys(), Law2_ScGeom_ViscElPhys_Basic()
     grains = [utils.sphere(x, r, material=material) for x, r in zip(task["position"], task["radius"])]
 else:
-    material = PolyhedraMat(density=1000, frictionAngle=task["friction_angle"], **task["material"])
+    material = PolyhedraMat(density=task["density"], frictionAngle=task["friction_angle"], **task["material"])
     bounds = [Bo1_Polyhedra_Aabb(), Bo1_Facet_Aabb()]
     shapes = [Ig2_Polyhedra_Polyhedra_PolyhedraGeom(), Ig2_Facet_Polyhedra_PolyhedraGeom()]
     physics, law = Ip2_PolyhedraMat_PolyhedraMat_PolyhedraPhys(), Law2_PolyhedraGeom_PolyhedraPhys_Volumetric()
