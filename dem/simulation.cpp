@@ -342,29 +342,17 @@ void Simulation::add_load(int body, const Eigen::Vector3d& force, const Eigen::V
   state_->has_next_loads = true;
 }
 
-StepStats& StepStats::operator+=(const StepStats& other) {
-  for (std::size_t i = 0; i < seconds.size(); ++i) seconds[i] += other.seconds[i];
-  steps += other.steps;
-  candidate_pairs += other.candidate_pairs;
-  body_pairs += other.body_pairs;
-  searched_pairs += other.searched_pairs;
-  triangle_pairs += other.triangle_pairs;
-  newton_steps += other.newton_steps;
-  fall_backs += other.fall_backs;
-  contacts += other.contacts;
-  fast_contacts += other.fast_contacts;
-  fast_bodies += other.fast_bodies;
-  unstable_steps += other.unstable_steps;
-  crossings += other.crossings;
-  visited_vertices += other.visited_vertices;
-  virtual_copies += other.virtual_copies;
-  levels += other.levels;
-  cells += other.cells;
-  refinements += other.refinements;
-  coarsenings += other.coarsenings;
-  settled_bodies += other.settled_bodies;
-  searches += other.searches;
-  return *this;
+void Simulation::put(int body, const Eigen::Vector3d& position, const Eigen::Vector3d& velocity) {
+  State& s = *state_;
+  const double energy_before = energy().total();
+  const Momentum before = momentum();
+  s.particles.position[body] = position;
+  s.particles.velocity[body] = velocity;
+  s.particles.angular_momentum[body] = Eigen::Vector3d::Zero();
+  const Momentum after = momentum();
+  s.budget.outside += energy().total() - energy_before;
+  s.budget.impulse += after.linear - before.linear;
+  s.budget.angular_impulse += after.angular - before.angular;
 }
 
 } // namespace trigrain

@@ -70,6 +70,9 @@ class Simulation {
   std::uint64_t state_hash() const;
   /// Force (N) and torque (N m) on a body during the next step only, beside gravity and contacts.
   void add_load(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque);
+  /// Takes a body that touches nothing elsewhere (m), turned as it is and without spin, from where it moves on at
+  /// `velocity` (m/s). The books count what that changes as work and impulse from outside.
+  void put(int body, const Eigen::Vector3d& position, const Eigen::Vector3d& velocity);
 
  private:
   struct State;

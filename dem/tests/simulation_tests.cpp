@@ -221,6 +221,25 @@ TEST(Simulation, TheBooksOfEnergyAndMomentumBalance) {
   EXPECT_LT(sim.momentum_error().angular.norm(), 1e-11);
 }
 
+TEST(Simulation, ABodyThatIsPutElsewhereFallsFromThereAndTheBooksBalance) {
+  Simulation sim(tilted_cube(), {});
+  const double start = sim.energy().balance();
+  const Vector3d first = sim.particles().position[1], other = first + Vector3d(.01, .02, .03);
+  sim.run(20);
+  ASSERT_TRUE(sim.contacts().empty());
+  sim.put(1, other, Vector3d(1, 0, 0));
+  EXPECT_EQ(sim.particles().angular_velocity(1).norm(), 0);
+  EXPECT_GT(sim.energy().outside, 0) << "it was lifted";
+  const double put = sim.time();
+  sim.run(20);
+  const double fallen = other.y() - sim.particles().position[1].y();
+  EXPECT_NEAR(sim.particles().position[1].x() - other.x(), sim.time() - put, 1e-12);
+  EXPECT_NEAR(fallen, 9.81 / 2 * std::pow(sim.time() - put, 2), .1 * fallen);
+  EXPECT_NEAR(sim.energy().balance(), start, 1e-3 * sim.energy().outside);
+  EXPECT_LT(sim.momentum_error().linear.norm(), 1e-11);
+  EXPECT_LT(sim.momentum_error().angular.norm(), 1e-11);
+}
+
 TEST(Simulation, ContactsTooFastForTheirSpringsAreReported) {
   for (const double share : {.9, 1.1}) { // of the halo's response limit
     Scene scene = tilted_cube();
