@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Discharge rate of a bin over its opening, to the power 2/5, with a line fitted as Beverloo et al. (1961) propose; and how
-much the flow from 45 to 70 % emptied differs from that from 20 to 45 %."""
+"""Discharge rate of a bin over its opening, to the power 2/5, with a line fitted as Beverloo et al. (1961) propose; how much
+the flow from a bin that is kept full changes with time; and how it follows the height of the grains when the bin empties."""
 import packages  # noqa: F401, I001: before all that need them
 import sys
 from pathlib import Path
@@ -10,10 +10,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from figure import COLOURS, MARKERS, STYLE, Drawn, command_line, foot, head, legend, save
-from records import DRAWN, load_sweep
+from records import DRAWN, Sweep, load_sweep
 
 NAME = "figure_beverloo"
 DENSITY, GRAVITY = 1000, 9.81  # of the grains, kg/m3; m/s2
+BAR = 3  # %, how steady the flow must be
+LEFT = range(95, 15, -10)  # % of the grains, in the middle of the tenths of an emptying
 
 
 def draw(results: Path, out: Path) -> Drawn:
@@ -21,41 +23,80 @@ def draw(results: Path, out: Path) -> Drawn:
     sweep = load_sweep(results, NAME)
     rows, notes = [], []
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(11, 5))
+        figure = Figure(figsize=(15, 5))
         head(figure, sweep)
-        flow, change = figure.subplots(1, 2, width_ratios=(1.5, 1))
+        flow, change, sinking = figure.subplots(1, 3, width_ratios=(1.4, 1, 1))
         flow.set(xlabel="opening D / grain diameter d", ylabel=r"(mass flow / ($\rho\, g^{1/2} d^{5/2}$))$^{2/5}$")
-        change.axhspan(-3, 3, color="#009E73", alpha=0.12)
-        change.set(xlabel="opening D / grain diameter d", ylabel="change of the flow while it empties (%)")
+        change.set(xlabel="opening D / grain diameter d", ylabel="bin kept full: change of the flow (%)")
+        sinking.set(xlabel="height of the grains over the opening / D", ylabel="bin that empties: flow / that of a full bin - 1 (%)")
+        for axis in (change, sinking):
+            axis.axhspan(-BAR, BAR, color="#009E73", alpha=0.12)
         kinds = sorted({p.params["vertices"] for p in sweep.points if p.state == DRAWN})
         for kind, colour, marker in zip(kinds, COLOURS, MARKERS):
             name = "spheres" if kind == 0 else f"granulates of {kind} points"
             style = {"color": colour, "marker": marker, "linestyle": "none", "capsize": 3}
-            found = ensembles(sweep, kind, 1)
+            stiffness = sorted({p.params["stiffness"] for p in sweep.points if p.state == DRAWN and p.params["vertices"] == kind})
+            found = ensembles(sweep, kind, stiffness[0])
+            rates = {opening: [rate(m) for m in runs] for opening, runs in found.items()}
             if found:
-                notes.append(fitted(flow, found, name, style))
-                changes = {x: [100 * c for _, c in runs] for x, runs in found.items()}
-                with_quartiles(change, changes, **style)
-                most = max((float(np.median(group)) for group in changes.values()), key=abs)
-                notes.append(f"{name}: the flow from 45 to 70 % emptied differs from that before by {most:+.0f} % at most (median of "
-                             "the seeds), where 3 % are asked for; the last 30 % of the grains fill little more than the funnel.")
-            stiff = ensembles(sweep, kind, 4)
-            for opening in set(stiff) & set(found):
-                with_quartiles(flow, {opening: [w**0.4 for w, _ in stiff[opening]]},
-                               label="springs 4 times as stiff", **style | {"marker": "x"})
-                ratio = np.median([w for w, _ in stiff[opening]]) / np.median([w for w, _ in found[opening]])
-                notes.append(f"{name}: with springs 4 times as stiff the median flow at D = {opening:g} d changes by "
-                             f"{100 * (ratio - 1):+.1f} % ({len(stiff[opening])} seeds).")
-            rows += [[kind, stiffness, opening, len(runs), *np.percentile([w for w, _ in runs], (50, 25, 75)),
-                      *np.percentile([c for _, c in runs], (50, 25, 75))]
-                     for stiffness, group in ((1, found), (4, stiff)) for opening, runs in group.items()]
+                notes += [fitted(flow, rates, name, style), steady(change, found, name, style)]
+            for times in stiffness[1:]:
+                for opening, runs in ensembles(sweep, kind, times).items():
+                    factor, stiff = times / stiffness[0], [rate(m) for m in runs]
+                    with_quartiles(flow, {opening: [w**0.4 for w in stiff]}, label=f"springs {factor:g} times as stiff",
+                                   **style | {"marker": "x"})
+                    if opening in rates:
+                        notes.append(f"{name}: with springs {factor:g} times as stiff the mean flow at D = {opening:g} d changes by "
+                                     f"{percent(stiff, rates[opening])} ({len(stiff)} seeds).")
+                    rows.append(row(kind, times, opening, runs))
+            rows += [row(kind, stiffness[0], opening, runs) for opening, runs in found.items()]
+            notes += [emptying(sinking, runs, rates.get(opening), f"{name}, D = {opening:g} d", style)
+                      for opening, runs in ensembles(sweep, kind, stiffness[0], "emptying").items() if opening in rates]
         flow.set(xlim=(0, None), ylim=(0, None))
-        legend(flow, fontsize=9)
+        for axis in (flow, sinking):
+            if axis.get_legend_handles_labels()[1]:
+                legend(axis, fontsize=9)
+        sinking.invert_xaxis()
         foot(figure, sweep)
         figure.tight_layout(rect=(0, 0.06, 1, 1))
         return save(figure, Drawn(NAME, sweep, out, notes),
                     ["vertices", "stiffness", "opening_d", "seeds", "median_flow", "flow_quartile_25", "flow_quartile_75",
-                     "median_change", "change_quartile_25", "change_quartile_75"], rows)
+                     "median_change", "change_quartile_25", "change_quartile_75", "level_of_opening"], rows)
+
+
+def ensembles(sweep: Sweep, kind: int, stiffness: float, study: str = "discharge") -> dict[float, list[dict[str, float]]]:
+    """Over the openings: the metrics of every seed that flowed to the end."""
+    found: dict[float, list[dict[str, float]]] = {}
+    for point in sweep.points:
+        p = point.params
+        if point.state != DRAWN or (p["vertices"], p["stiffness"], p["study"]) != (kind, stiffness, study):
+            continue
+        metrics = {name: metric["value"] for name, metric in point.record["metrics"].items()}
+        if None not in metrics.values():
+            found.setdefault(p["value"], []).append(metrics)
+    return dict(sorted(found.items()))
+
+
+def rate(m: dict[str, float], name: str = "rate_kg_s") -> float:
+    """Flow in units of density, gravity and grain diameter."""
+    return m[name] / (DENSITY * np.sqrt(GRAVITY) * m["grain_diameter_m"]**2.5)
+
+
+def row(kind: int, stiffness: float, opening: float, runs: list[dict[str, float]]) -> list:
+    """Of the table: medians and quartiles of the seeds."""
+    return [kind, stiffness, opening, len(runs), *np.percentile([rate(m) for m in runs], (50, 25, 75)),
+            *np.percentile([m["rate_change"] for m in runs], (50, 25, 75)), np.median([m["level_of_opening"] for m in runs])]
+
+
+def error(values) -> float:
+    """Standard error of the mean."""
+    return float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else float("nan")
+
+
+def percent(values: list[float], others: list[float]) -> str:
+    """By how much one mean differs from another, with its standard error."""
+    ratio = np.mean(values) / np.mean(others)
+    return f"{100 * (ratio - 1):+.1f} +- {100 * ratio * np.hypot(error(values) / np.mean(values), error(others) / np.mean(others)):.1f} %"
 
 
 def with_quartiles(axis, groups: dict[float, list[float]], **style) -> None:
@@ -64,37 +105,52 @@ def with_quartiles(axis, groups: dict[float, list[float]], **style) -> None:
     axis.errorbar(list(groups), middle, yerr=[middle - low, high - middle], **style)
 
 
-def fitted(axis, found: dict[float, list], name: str, style: dict) -> str:
+def seeds_of(groups: dict[float, list]) -> str:
+    few, many = min(map(len, groups.values())), max(map(len, groups.values()))
+    return f"{few} seed(s)" if few == many else f"{few} to {many} seeds"
+
+
+def fitted(axis, rates: dict[float, list[float]], name: str, style: dict) -> str:
     """Draws flows to the power 2/5 and the line through their medians; says where it ends and how well it fits."""
-    powers = {opening: [w**0.4 for w, _ in runs] for opening, runs in found.items()}
+    powers = {opening: [w**0.4 for w in group] for opening, group in rates.items()}
     with_quartiles(axis, powers, **style)
     x, y = np.array(list(powers)), np.array([np.median(group) for group in powers.values()])
-    few, many = min(map(len, powers.values())), max(map(len, powers.values()))
-    seeds = f"{few} seed(s)" if few == many else f"{few} to {many} seeds"
     if len(x) < 3:
         return f"{name}: {len(x)} openings are too few for a fit."
     slope, offset = np.polyfit(x, y, 1)
     r2 = 1 - ((y - slope * x - offset)**2).sum() / ((y - y.mean())**2).sum()
     stop = -offset / slope
     axis.plot([stop, x.max()], [0, slope * x.max() + offset], color=style["color"],
-              label=f"{name}, {seeds}: k = {stop:.2f}, R$^2$ = {r2:.4f}")
-    return (f"{name}: flow stops at D = {stop:.2f} d (Beverloo: 1 to 2), R2 = {r2:.4f}, {seeds} per opening; "
+              label=f"{name}, {seeds_of(rates)}: k = {stop:.2f}, R$^2$ = {r2:.4f}")
+    return (f"{name}: flow stops at D = {stop:.2f} d (Beverloo: 1 to 2), R2 = {r2:.4f}, {seeds_of(rates)} per opening; "
             "bars are quartiles.")
 
 
-def ensembles(sweep, kind: int, stiffness: float) -> dict[float, list[tuple[float, float]]]:
-    """Over the openings: flow, in units of density, gravity and grain diameter, and its change of every seed that emptied."""
-    found: dict[float, list[tuple[float, float]]] = {}
-    for point in sweep.points:
-        if point.state != DRAWN:
-            continue
-        params = point.record["params"]
-        if params["vertices"] == kind and params["stiffness"] == stiffness:
-            m = {name: metric["value"] for name, metric in point.record["metrics"].items()}
-            if m["rate_kg_s"] is not None:
-                unit = DENSITY * np.sqrt(GRAVITY) * m["grain_diameter_m"]**2.5
-                found.setdefault(params["value"], []).append((m["rate_kg_s"] / unit, m["rate_change"]))
-    return dict(sorted(found.items()))
+def steady(axis, found: dict[float, list], name: str, style: dict) -> str:
+    """Draws how much the flow of the second half of the grains differs from that of the first: means with standard errors."""
+    changes = {opening: [100 * m["rate_change"] for m in runs] for opening, runs in found.items()}
+    means = {opening: float(np.mean(group)) for opening, group in changes.items()}
+    axis.errorbar(list(means), list(means.values()), yerr=[error(group) for group in changes.values()], **style)
+    worst = max(means, key=lambda opening: abs(means[opening]))
+    every = np.concatenate(list(changes.values()))
+    levels = [np.median([m["level_of_opening"] for m in runs]) for runs in found.values()]
+    return (f"{name}, bin kept full {min(levels):.1f} to {max(levels):.1f} D high: from the first to the second quarter of the grains that "
+            f"leave the flow changes by {means[worst]:+.1f} +- {error(changes[worst]):.1f} % at most (D = {worst:g} d, mean of the seeds and "
+            f"its standard error; asked for: {BAR} %), over all openings by {every.mean():+.1f} +- {error(every):.1f} %.")
+
+
+def emptying(axis, runs: list[dict[str, float]], full: list[float] | None, name: str, style: dict) -> str:
+    """Draws the flow of a bin that empties over the height of its grains; says down to where it is that of a full one."""
+    levels = [np.median([m[f"level_of_opening_{left}"] for m in runs]) for left in LEFT]
+    flows = [[rate(m, f"rate_kg_s_{left}") for m in runs] for left in LEFT]
+    changes = [100 * (np.mean(group) / np.mean(full) - 1) for group in flows]
+    errors = [100 * np.hypot(error(group), error(full)) / np.mean(full) for group in flows]
+    axis.errorbar(levels, changes, yerr=errors, label=name, **style | {"linestyle": "-"})
+    within = next((i for i, c in enumerate(changes) if abs(c) > BAR), len(changes))
+    if within == 0:
+        return f"{name}: while the bin empties the flow differs by more than {BAR} % from the start."
+    return (f"{name}: while the bin empties the flow stays within {BAR} % of that of a full one down to {LEFT[within - 1] - 5} % of the "
+            f"grains, which stand {levels[within - 1]:.1f} D high.")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,9 @@
 #include "dem/random.hpp"
 #include "experiments/stability/setups.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -54,8 +56,7 @@ MeanGrain mean_of(const std::vector<Body>& grains) {
   return {std::cbrt(6 * volume / std::numbers::pi) + 2 * halo, mass};
 }
 
-/// So stiff that two grains that meet at 2 m/s stop within their halos, more than any have here; the step resolves
-/// that.
+/// So stiff that two grains that meet at 2 m/s stop within their halos; the step resolves that.
 void choose_stiffness(Scene& scene, double factor, double grain_mass) {
   const double effective = grain_mass / 2, rate = 2 / (2 * halo);
   scene.contact.stiffness = factor * effective * rate * rate;
@@ -95,24 +96,6 @@ void fill(std::vector<Body>& grains, double width, double opening, Random& rando
   }
 }
 
-/// A bin whose grains have come to rest, without the plate that held them.
-Scene opened_bin(std::vector<Body> grains, double width, double opening, const StudyRequest& request, Random& random,
-                 const Options& options) {
-  Scene scene = empty_scene(256, {.damping_ratio = .3, .friction = .5}, 1);
-  scene.domain.min.y() = 1 - scene.domain.size;
-  scene.gravity = {0, -g, 0};
-  fill(grains, width, opening, random);
-  scene.bodies = walls_of_bin(width, opening);
-  scene.bodies.insert(scene.bodies.end(), grains.begin(), grains.end());
-  choose_stiffness(scene, request.stiffness, mean_of(grains).mass);
-  Simulation settling(scene, options);
-  while (settling.time() < .25) settling.step();
-  for (int i = 0; i < settling.particles().size(); ++i)
-    if (!scene.bodies[i].fixed) scene.bodies[i] = settling.particles().body(i);
-  scene.bodies.erase(scene.bodies.begin());
-  return scene;
-}
-
 /// Slope of the least squares line through points (t, m).
 struct Line {
   double n = 0, t = 0, m = 0, tt = 0, tm = 0;
@@ -120,44 +103,173 @@ struct Line {
   double slope() const { return (n * tm - t * m) / (n * tt - t * t); }
 };
 
+/// A bin whose plate is taken away once its grains have come to rest, and what leaves it. It is so narrow that the
+/// grains stand higher over the opening than that is wide, by a fifth or about that for the widest; then how high they
+/// stand does not matter (Nedderman 1992).
+class OpenBin {
+ public:
+  explicit OpenBin(const StudyRequest& request)
+      : random_(request.seed), grains_(make_grains(request, random_)), mean_(mean_of(grains_)),
+        opening_(request.value * mean_.diameter), width_(1.1 * mean_.diameter * std::cbrt(request.particles)),
+        sim_(at_rest(request), options(request)), start_(sim_.energy().balance()), out_(grains_.size()) {}
+
+  void step();
+  /// Pours grains that have fallen out on the others, where these stand low.
+  void refill();
+  /// Grains that have left over all.
+  double turned_over() const { return static_cast<double>(passed_) / static_cast<double>(out_.size()); }
+  bool stands() const { return sim_.time() > last_ + 1; } ///< an arch that stands for a second stands
+  void add_to(Line& line) const { line.add(sim_.time(), mass_); }
+  double level() const;                  ///< how high a column of the grains over the opening stands, over its width
+  std::vector<Metric> soundness() const; ///< what every study says of the run and the grains
+
+ private:
+  /// Flowing grains move past each other fast: what is near them is kept for about ten steps.
+  static Options options(const StudyRequest& request) {
+    return {.contact_rule = request.contact_rule, .skin = .1, .triangle_skin = .5};
+  }
+  Scene at_rest(const StudyRequest& request);
+  const Vector3d& position(std::size_t grain) const { return sim_.particles().position[walls + grain]; }
+  Vector3d place_on_top(); ///< the lowest of some places on others
+
+  Random random_;
+  std::vector<Body> grains_; // as they were filled in
+  MeanGrain mean_;
+  double opening_, width_; // m
+  Simulation sim_;
+  double start_;          // energy, J
+  std::vector<char> out_; // has it left?
+  int passed_ = 0;
+  double mass_ = 0, last_ = 0, deepest_ = 0; // of what has left, kg; when the last one did, s; overlap, m
+  StepStats stats_;
+};
+
+Scene OpenBin::at_rest(const StudyRequest& request) {
+  Scene scene = empty_scene(256, {.damping_ratio = .3, .friction = .5}, 1);
+  scene.domain.min.y() = 1 - scene.domain.size;
+  scene.gravity = {0, -g, 0};
+  fill(grains_, width_, opening_, random_);
+  scene.bodies = walls_of_bin(width_, opening_);
+  scene.bodies.insert(scene.bodies.end(), grains_.begin(), grains_.end());
+  choose_stiffness(scene, request.stiffness, mean_.mass);
+  Simulation settling(scene, options(request));
+  while (settling.time() < .2) settling.step();
+  for (int i = 0; i < settling.particles().size(); ++i)
+    if (!scene.bodies[i].fixed) scene.bodies[i] = settling.particles().body(i);
+  scene.bodies.erase(scene.bodies.begin());
+  return scene;
+}
+
+void OpenBin::step() {
+  stats_ += sim_.step();
+  for (const Contact& c : sim_.contacts()) deepest_ = std::max(deepest_, c.overlap);
+  for (std::size_t i = 0; i < out_.size(); ++i)
+    if (!out_[i] && position(i).y() < 0)
+      out_[i] = 1, ++passed_, mass_ += sim_.particles().mass[walls + i], last_ = sim_.time();
+}
+
+void OpenBin::refill() {
+  constexpr double poured = .6; // m/s, so fast that the next ones find room
+  std::vector<char> touches;
+  for (std::size_t i = 0; i < out_.size(); ++i) {
+    if (!out_[i] || position(i).y() > -diameter) continue;
+    if (touches.empty()) {
+      touches.resize(sim_.particles().size());
+      for (const Contact& c : sim_.contacts()) touches[c.a] = touches[c.b] = 1;
+    }
+    if (touches[walls + i]) continue;
+    sim_.put(static_cast<int>(walls + i), place_on_top(), {0, -poured, 0});
+    out_[i] = 0;
+  }
+}
+
+Vector3d OpenBin::place_on_top() {
+  constexpr int tries = 10;
+  constexpr double free = 1.05 * diameter; // between centres
+  const double room = width_ - 1.4 * diameter;
+  Vector3d lowest{0, std::numeric_limits<double>::infinity(), 0};
+  for (int k = 0; k < tries; ++k) {
+    Vector3d top{room * (random_.uniform() - .5), width_ / 2, room * (random_.uniform() - .5)};
+    for (std::size_t i = 0; i < out_.size(); ++i) {
+      const Vector3d& x = position(i);
+      const double away2 = std::pow(x.x() - top.x(), 2) + std::pow(x.z() - top.z(), 2);
+      if (away2 < free * free) top.y() = std::max(top.y(), x.y() + std::sqrt(free * free - away2));
+    }
+    if (top.y() < lowest.y()) lowest = top;
+  }
+  return lowest;
+}
+
+double OpenBin::level() const {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < out_.size(); ++i) {
+    const Vector3d& x = position(i);
+    if (!out_[i] && std::max(std::abs(x.x()), std::abs(x.z())) < opening_ / 2) sum += x.y(), ++count;
+  }
+  return count > 0 ? 2 * sum / count / opening_ : 0; // twice the height of the centre
+}
+
+std::vector<Metric> OpenBin::soundness() const {
+  const double weight = static_cast<double>(out_.size()) * mean_.mass * g;
+  return {{"turned_over", turned_over(), {}},
+          {"deepest_overlap_of_diameter", deepest_ / mean_.diameter, {}},
+          {"fast_contacts", static_cast<double>(stats_.fast_contacts + stats_.crossings), 0},
+          {"unstable_steps", static_cast<double>(stats_.unstable_steps), 0},
+          {"grain_mass_kg", mean_.mass, {}},
+          {"grain_diameter_m", mean_.diameter, {}},
+          {"energy_drift", (sim_.energy().balance() - start_) / (weight * width_), 1e-2}};
+}
+
+constexpr double start_up = .2; // grains, of all, that leave before the flow is judged
+
 } // namespace
 
 std::vector<Metric> discharge(const StudyRequest& request) {
-  Random random(request.seed);
-  const std::vector<Body> grains = make_grains(request, random);
-  const MeanGrain mean = mean_of(grains);
-  const double opening = request.value * mean.diameter, width = 1.2 * mean.diameter * std::cbrt(request.particles);
-  const Options options{.contact_rule = request.contact_rule, .skin = .1};
-  Simulation sim(opened_bin(grains, width, opening, request, random, options), options);
-  const double start = sim.energy().balance();
-  const int n = sim.particles().size() - walls;
-  std::vector<char> out(n);
-  int through = 0;
-  double mass = 0, last_out = 0, deepest = 0;
-  Line all, first, second; // from 20 to 70 % emptied, and the halves of it
-  StepStats stats;
-  while (through < .7 * n && sim.time() < last_out + 1) { // an arch that stands for a second stands
-    stats += sim.step();
-    for (const Contact& c : sim.contacts()) deepest = std::max(deepest, c.overlap);
-    for (int i = 0; i < n; ++i)
-      if (!out[i] && sim.particles().position[walls + i].y() < 0)
-        out[i] = 1, ++through, mass += sim.particles().mass[walls + i], last_out = sim.time();
-    if (through < .2 * n) continue;
-    all.add(sim.time(), mass);
-    (through < .45 * n ? first : second).add(sim.time(), mass);
+  constexpr double middle = start_up + .25, end = start_up + .5;
+  OpenBin bin(request);
+  Line all, first, second; // while half of the grains leave, and the halves of that
+  double levels = 0;
+  while (bin.turned_over() < end && !bin.stands()) {
+    bin.step();
+    bin.refill();
+    if (bin.turned_over() < start_up) continue;
+    bin.add_to(all);
+    bin.add_to(bin.turned_over() < middle ? first : second);
+    levels += bin.level();
   }
-  const bool emptied = through >= .7 * n;
-  const double none = std::numeric_limits<double>::quiet_NaN(), rate = all.slope();
-  return {{"rate_kg_s", emptied ? rate : none, {}},
-          {"rate_grains_s", emptied ? rate / mean.mass : none, {}},
-          {"rate_change", emptied ? second.slope() / first.slope() - 1 : none, {}},
-          {"emptied", static_cast<double>(through) / n, {}},
-          {"deepest_overlap_of_diameter", deepest / mean.diameter, {}},
-          {"fast_contacts", static_cast<double>(stats.fast_contacts + stats.crossings), 0},
-          {"unstable_steps", static_cast<double>(stats.unstable_steps), 0},
-          {"grain_mass_kg", mean.mass, {}},
-          {"grain_diameter_m", mean.diameter, {}},
-          {"energy_drift", (sim.energy().balance() - start) / (n * mean.mass * g * width), 1e-2}};
+  const bool flowed = bin.turned_over() >= end;
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Metric> metrics{{"rate_kg_s", flowed ? all.slope() : none, {}},
+                              {"rate_change", flowed ? second.slope() / first.slope() - 1 : none, {}},
+                              {"level_of_opening", levels / all.n, {}}};
+  std::ranges::copy(bin.soundness(), std::back_inserter(metrics));
+  return metrics;
+}
+
+std::vector<Metric> emptying(const StudyRequest& request) {
+  constexpr int tenths = 8;
+  OpenBin bin(request);
+  while (bin.turned_over() < start_up && !bin.stands()) {
+    bin.step();
+    bin.refill();
+  }
+  std::array<Line, tenths> lines;
+  std::array<double, tenths> levels{};
+  const auto tenth = [&] { return static_cast<int>(10 * (bin.turned_over() - start_up)); };
+  while (tenth() < tenths && !bin.stands()) {
+    bin.add_to(lines[tenth()]);
+    levels[tenth()] += bin.level();
+    bin.step();
+  }
+  std::vector<Metric> metrics;
+  for (int i = 0; i < tenths; ++i) {
+    const std::string left = std::to_string(95 - 10 * i);
+    metrics.push_back(
+        {"rate_kg_s_" + left, i < tenth() ? lines[i].slope() : std::numeric_limits<double>::quiet_NaN(), {}});
+    metrics.push_back({"level_of_opening_" + left, levels[i] / lines[i].n, {}});
+  }
+  std::ranges::copy(bin.soundness(), std::back_inserter(metrics));
+  return metrics;
 }
 
 } // namespace trigrain

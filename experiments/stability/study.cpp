@@ -36,7 +36,9 @@ constexpr Study table[] = {
     {"mesh-sphere", "what an icosphere of `level` misses of a sphere", mesh_sphere},
     {"bounce", "time to rest of a bouncing ball of restitution `value`", bounce},
     {"similarity", "the same motion at `value` times the size", similarity},
-    {"discharge", "rate at which a bin empties through an opening of `value` grain diameters", discharge},
+    {"discharge", "rate at which grains leave a bin, kept full, through an opening of `value` of their diameters",
+     discharge},
+    {"emptying", "the same while the bin empties, and how high its grains stand over the opening", emptying},
     {"critical-step",
      "observed against predicted: ball (`value` 0), cube on its face (1: no friction, 2, 3: faces cut), three cubes "
      "(4), "

@@ -117,7 +117,7 @@ STABILITY = Program("stability", {
     "study": Parameter("--study", str, (
         "tessellation", "loop-work", "face-rest", "impact", "free-top", "rigid-impact", "ellipsoid-impact", "slope", "slope-rest",
         "topple",
-        "rolling-ball", "rolling-polygon", "mesh-sphere", "bounce", "similarity", "discharge", "critical-step", "rebound",
+        "rolling-ball", "rolling-polygon", "mesh-sphere", "bounce", "similarity", "discharge", "emptying", "critical-step", "rebound",
         "rebound-explicit", "long-run", "tunnelling",
         "detection", "overlap-release", "cut-floor", "mass-ratio", "long-rest", "flat-drop", "grazing", "determinism", "stack", "rule-cost",
         "far-from-origin", "scale", "degenerate")),

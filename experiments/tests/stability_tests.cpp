@@ -94,6 +94,21 @@ double metric(const char* study, const StudyRequest& request, std::string_view n
   return 0;
 }
 
+TEST(Discharge, ABinThatIsKeptFullFlowsAndOneThatEmptiesSinks) {
+  const StudyRequest request{.value = 5, .stiffness = .25, .particles = 200};
+  expect_within("discharge", request);
+  const auto found = [&](const char* study, const char* name) {
+    for (const Metric& m : row_named(studies(), "study", study).run(request))
+      if (m.name == name) return m.value;
+    return std::nan("");
+  };
+  const double full = found("discharge", "level_of_opening");
+  EXPECT_GT(full, .8);
+  EXPECT_LT(std::abs(found("discharge", "rate_change")), .3);
+  EXPECT_NEAR(found("emptying", "level_of_opening_95"), full, .15 * full);
+  EXPECT_LT(found("emptying", "level_of_opening_35"), .7 * full);
+}
+
 TEST(Stability, ObservedCriticalStepsAreThePredictedOnes) {
   for (const double scene : {0., 1., 5.}) expect_within("critical-step", {.value = scene});
   expect_within("critical-step", {.law = "hertz-mindlin", .value = 0});

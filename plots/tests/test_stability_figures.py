@@ -69,3 +69,24 @@ def test_a_panel_of_which_nothing_was_run_says_so(made_up):
           lambda params: {name: metric(1 / params["steps_per_contact"] ** 2) for name in ("restitution_error", "mean_restitution_error")})
     draw(made_up, "stability_rebound")
     assert (made_up.folder / "figures/stability_rebound.svg").read_text().count(">not run<") == 2
+
+
+def test_the_law_of_discharge_is_found_and_how_low_a_bin_may_sink(made_up):
+    module = importlib.import_module("figure_beverloo")
+
+    def metrics(params: dict) -> dict:
+        flow = (params["value"] - 1.4)**2.5 * module.DENSITY * math.sqrt(module.GRAVITY) * 0.01**2.5 * (1 + 0.001 * params["seed"])
+        if params["study"] == "discharge":
+            own = {"rate_kg_s": flow, "rate_change": -0.01, "level_of_opening": 1.3}
+        else:
+            own = {f"rate_kg_s_{left}": flow * (1 if left > 50 else 0.9) for left in module.LEFT}
+            own |= {f"level_of_opening_{left}": left / 50 for left in module.LEFT}
+        return {name: metric(value) for name, value in {**own, "grain_diameter_m": 0.01}.items()}
+
+    sweep(made_up, "figure_beverloo", {"seed": [1, 2], "study": ["discharge", "emptying"], "vertices": [0], "value": [5, 6, 7],
+                                       "stiffness": [1, 4]}, metrics)
+    notes = " ".join(draw(made_up, "figure_beverloo").notes)
+    assert "flow stops at D = 1.40 d" in notes and "R2 = 1.0000" in notes
+    assert "changes by -1.0 +- 0.0 % at most" in notes
+    assert "springs 4 times as stiff the mean flow at D = 6 d changes by +0.0" in notes
+    assert "D = 6 d: while the bin empties the flow stays within 3 % of that of a full one down to 50 %" in notes
