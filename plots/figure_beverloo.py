@@ -54,8 +54,7 @@ def draw(results: Path, out: Path) -> Drawn:
                       for opening, runs in ensembles(sweep, kind, stiffness[0], "emptying").items() if opening in rates]
         flow.set(xlim=(0, None), ylim=(0, None))
         for axis in (flow, sinking):
-            if axis.get_legend_handles_labels()[1]:
-                legend(axis, fontsize=9)
+            legend(axis, fontsize=9)
         sinking.invert_xaxis()
         foot(figure, sweep)
         figure.tight_layout(rect=(0, 0.06, 1, 1))

@@ -125,9 +125,7 @@ class OpenBin {
 
  private:
   /// Flowing grains move past each other fast: what is near them is kept for about ten steps.
-  static Options options(const StudyRequest& request) {
-    return {.contact_rule = request.contact_rule, .skin = .1, .triangle_skin = .5};
-  }
+  static Options options(const StudyRequest& request) { return {.contact_rule = request.contact_rule, .skin = .1}; }
   Scene at_rest(const StudyRequest& request);
   const Vector3d& position(std::size_t grain) const { return sim_.particles().position[walls + grain]; }
   Vector3d place_on_top(); ///< the lowest of some places on others
