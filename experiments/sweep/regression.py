@@ -10,7 +10,7 @@ from pathlib import Path
 
 from sweep import callgrind
 from sweep.bench import Bench, complaint, point_command, state_command
-from sweep.decision import FASTER, SLOWER, UNSTABLE, Decision, decide, exact_change, with_counts
+from sweep.decision import FASTER, NOISE_TO_STOP, SLOWER, UNSTABLE, Decision, decide, exact_change, with_counts
 from sweep.errors import InputError, SweepError
 from sweep.exchange import read_google_benchmark
 from sweep.points import Point, expand
@@ -19,6 +19,8 @@ from sweep.store import Store, load_record
 
 WORK_COUNTS = ("candidate_pairs", "body_pairs", "triangle_pairs", "newton_steps", "fall_backs")
 INSTRUCTIONS = "instructions"
+MOST = 4  # times the pairs that were asked for
+LOOK = 5  # pairs between two looks at the noise
 CALM = 0.01  # of a sample's CPU time: so much longer it took at most if nothing held it up
 LEAST_CALM = 3  # samples
 LEAST_TOLD = 5e-5  # of a count: less would read as 0.00 %
@@ -81,7 +83,8 @@ class Comparison:
 
 def compare_builds(spec: Spec, benches: tuple[Bench, Bench], counted: Counted | None, pairs: int,
                    tell: Callable[[str], None]) -> list[Comparison]:
-    """Runs every point `pairs` times with each build, A B B A A B..., and then, if there is something for it, callgrind.
+    """Runs every point `pairs` times with each build, A B B A A B..., up to MOST times as often while the noise is too large
+    (whatever the change: a rule that looked at it would find one too often), and then, if there is something for it, callgrind.
     Each run is of a copy of the program that is made for it: where a file happens to lie in memory changes how fast it
     runs, by a percent or more and for as long as it stays there; so that is part of the noise and not of the difference. The
     copies of a point stay until it is done, else the next ones would take their places."""
@@ -97,7 +100,9 @@ def compare_builds(spec: Spec, benches: tuple[Bench, Bench], counted: Counted | 
             sides = (Side(), Side())
             start = _start_state(spec, benches[0], point, Path(place))
             with tempfile.TemporaryDirectory() as copies:
-                for number in range(pairs):
+                for number in range(MOST * pairs):
+                    if number >= pairs and number % LOOK == 0 and _settled(*sides):
+                        break
                     for which in ((0, 1), (1, 0))[number % 2]:
                         if not any(side.trouble for side in sides):
                             copy = _copy(benches[which], Path(copies) / f"{number}-{which}")
@@ -188,6 +193,10 @@ def _start_state(spec: Spec, bench: Bench, point: Point, place: Path) -> Path | 
         if trouble:
             raise SweepError(f"the start state cannot be computed ({bench.path}: {trouble}). Compare with a version that can.")
     return path
+
+
+def _settled(before: Side, after: Side) -> bool:
+    return bool(before.trouble or after.trouble) or decide(before.cpu_s, after.cpu_s).noise <= NOISE_TO_STOP
 
 
 def _copy(bench: Bench, folder: Path) -> Bench:
