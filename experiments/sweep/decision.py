@@ -11,7 +11,7 @@ LEAST_COUNT_CHANGE = 0.005  # of exact counts; of instructions if the CPU time w
 INSTRUCTIONS_ALONE = 0.02  # of instructions where the CPU time does not tell: the same work laid out anew takes .5 % more or less
 SIGNIFICANCE = 0.01
 LEAST_PAIRS = 15
-NOISE_TO_STOP = 0.02  # what a change of 5 % can lose and still be one of LEAST_CHANGE
+NOISE_TO_STOP = 0.01  # so that a change of 5 % is hardly ever measured as one below LEAST_CHANGE
 EXACT_UP_TO = 14  # pairs: 2^14 sign patterns are all tried, of more pairs so many at random
 SEED = 20180115
 
