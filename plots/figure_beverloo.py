@@ -88,14 +88,19 @@ def row(kind: int, stiffness: float, opening: float, runs: list[dict[str, float]
 
 
 def error(values) -> float:
-    """Standard error of the mean."""
+    """Standard error of the mean; nan of one value."""
     return float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else float("nan")
+
+
+def with_error(mean: float, its_error: float) -> str:
+    """Both in percent; one run has no error."""
+    return f"{mean:+.1f} %" if np.isnan(its_error) else f"{mean:+.1f} +- {its_error:.1f} %"
 
 
 def percent(values: list[float], others: list[float]) -> str:
     """By how much one mean differs from another, with its standard error."""
     ratio = np.mean(values) / np.mean(others)
-    return f"{100 * (ratio - 1):+.1f} +- {100 * ratio * np.hypot(error(values) / np.mean(values), error(others) / np.mean(others)):.1f} %"
+    return with_error(100 * (ratio - 1), 100 * ratio * np.hypot(error(values) / np.mean(values), error(others) / np.mean(others)))
 
 
 def with_quartiles(axis, groups: dict[float, list[float]], **style) -> None:
@@ -129,13 +134,13 @@ def steady(axis, found: dict[float, list], name: str, style: dict) -> str:
     """Draws how much the flow of the second half of the grains differs from that of the first: means with standard errors."""
     changes = {opening: [100 * m["rate_change"] for m in runs] for opening, runs in found.items()}
     means = {opening: float(np.mean(group)) for opening, group in changes.items()}
-    axis.errorbar(list(means), list(means.values()), yerr=[error(group) for group in changes.values()], **style)
+    axis.errorbar(list(means), list(means.values()), yerr=np.nan_to_num([error(group) for group in changes.values()]), **style)
     worst = max(means, key=lambda opening: abs(means[opening]))
     every = np.concatenate(list(changes.values()))
     levels = [np.median([m["level_of_opening"] for m in runs]) for runs in found.values()]
     return (f"{name}, bin kept full {min(levels):.1f} to {max(levels):.1f} D high: from the first to the second quarter of the grains that "
-            f"leave the flow changes by {means[worst]:+.1f} +- {error(changes[worst]):.1f} % at most (D = {worst:g} d, mean of the seeds and "
-            f"its standard error; asked for: {BAR} %), over all openings by {every.mean():+.1f} +- {error(every):.1f} %.")
+            f"leave the flow changes by {with_error(means[worst], error(changes[worst]))} at most (D = {worst:g} d, mean of the seeds and "
+            f"its standard error; asked for: {BAR} %), over all openings by {with_error(every.mean(), error(every))}.")
 
 
 def emptying(axis, runs: list[dict[str, float]], full: list[float] | None, name: str, style: dict) -> str:
@@ -144,7 +149,7 @@ def emptying(axis, runs: list[dict[str, float]], full: list[float] | None, name:
     flows = [[rate(m, f"rate_kg_s_{left}") for m in runs] for left in LEFT]
     changes = [100 * (np.mean(group) / np.mean(full) - 1) for group in flows]
     errors = [100 * np.hypot(error(group), error(full)) / np.mean(full) for group in flows]
-    axis.errorbar(levels, changes, yerr=errors, label=name, **style | {"linestyle": "-"})
+    axis.errorbar(levels, changes, yerr=np.nan_to_num(errors), label=name, **style | {"linestyle": "-"})
     within = next((i for i, c in enumerate(changes) if abs(c) > BAR), len(changes))
     if within == 0:
         return f"{name}: while the bin empties the flow differs by more than {BAR} % from the start."
