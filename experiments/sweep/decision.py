@@ -8,7 +8,7 @@ from dataclasses import dataclass
 SAME, FASTER, SLOWER, UNSTABLE = "same", "faster", "slower", "unstable"
 LEAST_CHANGE = 0.03  # of CPU time
 LEAST_COUNT_CHANGE = 0.005  # of exact counts; of instructions if the CPU time went the same way
-INSTRUCTIONS_ALONE = 0.02  # of instructions where the CPU time does not tell: the same work laid out anew takes .5 % more or less
+INSTRUCTIONS_ALONE = 0.02  # of instructions where the CPU time does not tell: neighbouring commits differed by .11 % at most
 SIGNIFICANCE = 0.01
 LEAST_PAIRS = 15
 NOISE_TO_STOP = 0.01  # so that a change of 5 % is hardly ever measured as one below LEAST_CHANGE

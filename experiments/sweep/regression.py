@@ -85,8 +85,8 @@ def compare_builds(spec: Spec, benches: tuple[Bench, Bench], counted: Counted | 
                    tell: Callable[[str], None]) -> list[Comparison]:
     """Runs every point `pairs` times with each build, A B B A A B..., up to MOST times as often while the noise is too large
     (whatever the change: a rule that looked at it would find one too often), and then, if there is something for it, callgrind.
-    Each run is of a copy of the program that is made for it: where a file happens to lie in memory changes how fast it
-    runs, by a percent or more and for as long as it stays there; so that is part of the noise and not of the difference. The
+    Each run is of a copy of the program that is made for it: where a file happens to lie in memory may change how fast it
+    runs, for as long as it stays there; so that is part of the noise and not of the difference. The
     copies of a point stay until it is done, else the next ones would take their places."""
     points = expand(spec)
     short = expand(counted.spec) if counted else points
