@@ -1,5 +1,6 @@
 #include "dem/kept_pairs.hpp"
 #include "dem/vectors.hpp"
+#include "kernels/name_table.hpp"
 
 namespace trigrain {
 
@@ -56,6 +57,18 @@ KeptPair& KeptPairs::of(BodyPair pair, const Particles& particles) {
   found->entries[at].step = step_;
   owner.busy.clear(std::memory_order_release);
   return found->pairs[at];
+}
+
+std::unique_ptr<KeptPairs> kept_pairs_for(const std::string& triangle_search, const Kernel& kernel,
+                                          const Particles& particles) {
+  const bool every_step = triangle_search == "every-step";
+  if (!every_step && triangle_search != "when-needed")
+    throw InputError("unknown triangle_search '" + triangle_search + "'. Known: when-needed, every-step.");
+  int meshes = 0, moving = 0;
+  for (int i = 0; i < particles.size(); ++i)
+    if (!particles.is_sphere(i)) ++meshes, moving += !particles.fixed(i);
+  if (every_step || meshes < 2 || moving == 0 || !kernel.exact || kernel.name == "hybrid-batch") return nullptr;
+  return std::make_unique<KeptPairs>(particles.size());
 }
 
 } // namespace trigrain

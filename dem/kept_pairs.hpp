@@ -5,6 +5,7 @@
 #include <atomic>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace trigrain {
@@ -81,5 +82,10 @@ class KeptPairs {
   std::int64_t step_ = 0;
   std::vector<Owner> owners_;
 };
+
+/// For a simulation; null where nothing can be kept: no two meshes meet, or the kernel is not exact, or its answers
+/// depend on the list. InputError for a triangle_search that is not one of Options.
+std::unique_ptr<KeptPairs> kept_pairs_for(const std::string& triangle_search, const Kernel& kernel,
+                                          const Particles& particles);
 
 } // namespace trigrain

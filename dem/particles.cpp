@@ -1,6 +1,7 @@
 #include "dem/particles.hpp"
 #include "kernels/name_table.hpp"
 #include <cmath>
+#include <cstring>
 
 namespace trigrain {
 namespace {
@@ -71,6 +72,26 @@ Body Particles::body(int i) const {
   b.fixed = fixed(i);
   if (!b.fixed) b.density = mass[i] / (mesh[i] ? mesh[i]->volume : 4. / 3. * pi * std::pow(radius[i], 3));
   return b;
+}
+
+/// FNV-1a over 8-byte words.
+std::uint64_t Particles::hash() const {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto add = [&hash](const double* values, int count) {
+    for (int i = 0; i < count; ++i) {
+      std::uint64_t word;
+      std::memcpy(&word, values + i, sizeof word);
+      hash = (hash ^ word) * 0x100000001b3u;
+      hash ^= hash >> 29; // spreads the high bits, which one multiplication leaves alone
+    }
+  };
+  for (int i = 0; i < size(); ++i) {
+    add(position[i].data(), 3);
+    add(orientation[i].coeffs().data(), 4);
+    add(velocity[i].data(), 3);
+    add(angular_momentum[i].data(), 3);
+  }
+  return hash;
 }
 
 } // namespace trigrain

@@ -1,6 +1,7 @@
 #pragma once
 #include "dem/scene.hpp"
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <vector>
 
 namespace trigrain {
@@ -38,6 +39,8 @@ struct Particles {
   void add(const Body& body);
   /// The body with its present position and motion, as a scene would hold it.
   Body body(int i) const;
+  /// Of the bits of all places, orientations and motions.
+  std::uint64_t hash() const;
 };
 
 } // namespace trigrain

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace trigrain {
@@ -84,11 +83,9 @@ struct Simulation::State {
   State(Scene s, Options o, std::unique_ptr<PairSource> from)
       : scene(std::move(s)), options(std::move(o)), scheme(row_named(schemes(), "scheme", options.scheme)),
         control(row_named(step_controls(), "time.control", scene.time.control)), particles(particles_of(scene)),
-        kept_pairs(kept_pairs_for(options, particles)), narrow{&kernel_named(options.kernel),
-                                                               &row_named(prechecks(), "pre-check", options.precheck),
-                                                               &row_named(contact_rules(), "contact rule",
-                                                                          options.contact_rule),
-                                                               kept_pairs.get()},
+        kept_pairs(kept_pairs_for(options.triangle_search, kernel_named(options.kernel), particles)),
+        narrow{&kernel_named(options.kernel), &row_named(prechecks(), "pre-check", options.precheck),
+               &row_named(contact_rules(), "contact rule", options.contact_rule), kept_pairs.get()},
         source(from ? std::move(from)
                     : make_pair_source({options.grid, options.subdivision, options.skin}, scene.domain, particles)),
         team(runtime_for(options, scheme), threads_of(options)), watch(particles) {
@@ -113,19 +110,6 @@ struct Simulation::State {
     particles.reserve(static_cast<int>(scene.bodies.size()));
     for (const Body& body : scene.bodies) particles.add(body);
     return particles;
-  }
-
-  /// Null where nothing can be kept: no two meshes meet, or the kernel is not exact, or its answers depend on the list.
-  static std::unique_ptr<KeptPairs> kept_pairs_for(const Options& options, const Particles& particles) {
-    const bool every_step = options.triangle_search == "every-step";
-    if (!every_step && options.triangle_search != "when-needed")
-      throw InputError("unknown triangle_search '" + options.triangle_search + "'. Known: when-needed, every-step.");
-    const Kernel& kernel = kernel_named(options.kernel);
-    int meshes = 0, moving = 0;
-    for (int i = 0; i < particles.size(); ++i)
-      if (!particles.is_sphere(i)) ++meshes, moving += !particles.fixed(i);
-    if (every_step || meshes < 2 || moving == 0 || !kernel.exact || kernel.name == "hybrid-batch") return nullptr;
-    return std::make_unique<KeptPairs>(particles.size());
   }
 
   static int threads_of(const Options& options) {
@@ -313,26 +297,7 @@ double Simulation::contact_step_limit() const {
   return ContactStepLimit().of(s.particles, s.scene.contact, s.contacts, s.team);
 }
 
-/// FNV-1a over 8-byte words.
-std::uint64_t Simulation::state_hash() const {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto add = [&hash](const double* values, int count) {
-    for (int i = 0; i < count; ++i) {
-      std::uint64_t word;
-      std::memcpy(&word, values + i, sizeof word);
-      hash = (hash ^ word) * 0x100000001b3u;
-      hash ^= hash >> 29; // spreads the high bits, which one multiplication leaves alone
-    }
-  };
-  const Particles& p = particles();
-  for (int i = 0; i < p.size(); ++i) {
-    add(p.position[i].data(), 3);
-    add(p.orientation[i].coeffs().data(), 4);
-    add(p.velocity[i].data(), 3);
-    add(p.angular_momentum[i].data(), 3);
-  }
-  return hash;
-}
+std::uint64_t Simulation::state_hash() const { return particles().hash(); }
 
 void Simulation::add_load(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) {
   Loads& loads = state_->next_loads;

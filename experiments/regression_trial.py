@@ -3,7 +3,7 @@
 slower, and counts how often each is found, and how often two identical builds are called slower, while another process loads
 a core. What came out is kept after every try in RESULTS/regression_trial.json for the report; after --minutes, or where it was
 ended, the same command goes on with the next try. It may be stopped and continued at any time, as CPU time does not run on
-meanwhile. 40 tries take half an hour on two cores that others use too.
+meanwhile. 40 tries take ten minutes, and half an hour on two cores that others use too.
 exit codes: 0 found in every try and at most 1 false alarm in 20, 1 otherwise, 2 not all tries are done, 3 usage, 4 environment"""
 import argparse
 import json

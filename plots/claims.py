@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from figure_counters import NAME as COUNTED, load_counters
 from frames import read_frame, read_frames, standing
+from grids import history
 from kernel_points import found, median
 from records import BIGGER_MACHINE, DRAWN, NothingToDraw, Point, Sweep, busy, load_sweep
 from scaling import published_curves
@@ -15,6 +17,7 @@ from scaling import published_curves
 PASS, FAIL, UNTESTABLE = "PASS", "FAIL", "NOT-TESTABLE-HERE"
 MEASURED, HARDWARE, NOT_RUN, DISTURBED = "measured", "needs hardware", "not run", "disturbed"
 OPENING_M = 0.5 - 0.1333 / 2  # height of the hopper's opening
+CONTACT_S, FAR_S = 2.68, 2.0  # when the two bodies of C18 figure 3 meet; until when they are far from each other
 
 
 @dataclass(frozen=True)
@@ -96,19 +99,50 @@ def speedup(where: dict[str, Any], panel: str, anchor: str, threads: int, tolera
     return test
 
 
-def ratio(slow: dict[str, Any], fast: dict[str, Any], least: float, what: Callable[[Point], float], each: str):
-    """what(slow) / what(fast) is at least `least`, for every value of the parameter `each`."""
+def ratio(slow: dict[str, Any], fast: dict[str, Any], least: float, what: Callable[[Point], float], each: str | None = None):
+    """what(slow) / what(fast) is at least `least`, for every value of the parameter `each` if one is named."""
     def test(sweep: Sweep) -> Verdict:
         seen = {}
-        for value in sorted({point.params[each] for point in sweep.points}):
-            one, other = _point(sweep, {**slow, each: value}), _point(sweep, {**fast, each: value})
+        for same in [{each: value} for value in sorted({point.params[each] for point in sweep.points})] if each else [{}]:
+            one, other = _point(sweep, {**slow, **same}), _point(sweep, {**fast, **same})
             if one and other:
-                seen[value] = what(one) / what(other)
+                seen["".join(f" at {each.replace('_', ' ')} {value:g}" for value in same.values())] = what(one) / what(other)
         if not seen:
-            return _absent(sweep, slow) if not _any(sweep, slow) else _absent(sweep, fast)
-        text = ", ".join(f"{number:.3g} at {each.replace('_', ' ')} {value:g}" for value, number in seen.items())
+            return _absent(sweep, fast if _point(sweep, slow) else slow)
+        text = ", ".join(f"{number:.3g}{where}" for where, number in seen.items())
         return Verdict(PASS if min(seen.values()) >= least else FAIL, MEASURED, text)
     return test
+
+
+def of_grids(most: dict[str, float], look_at: Callable[[Point, float], tuple[bool, str]]):
+    """look_at(point of each grid, the number that is named for it) says whether it holds, and what was seen."""
+    def test(sweep: Sweep) -> Verdict:
+        points = {grid: _point(sweep, {"grid": grid}) for grid in most}
+        missing = next((grid for grid, point in points.items() if point is None), None)
+        if missing:
+            return _absent(sweep, {"grid": missing})
+        seen = {grid: look_at(point, most[grid]) for grid, point in points.items()}
+        text = "; ".join(f"{grid} {words}" for grid, (_, words) in seen.items())
+        return Verdict(PASS if all(holds for holds, _ in seen.values()) else FAIL, MEASURED, text)
+    return test
+
+
+def compared_at_contact(point: Point, most: float) -> tuple[bool, str]:
+    """Two bodies are compared only near each other (t > 2 s), and then at most so often in a step."""
+    seen = history(point)
+    pairs, far = seen["candidate_pairs"] / seen["steps"], seen["time_s"] < FAR_S
+    return (pairs[far].max() == 0 and 1 <= pairs.max() <= most,
+            f"{pairs[far].max():g} far apart, at most {pairs.max():g}")
+
+
+def step_at_contact(point: Point, least: float) -> tuple[bool, str]:
+    """The step is shortest at the contact of two bodies, by so large a factor below the longest before."""
+    seen = history(point)
+    step, time = seen["step_s"], seen["time_s"]
+    shortest = int(np.argmin(np.where(time > FAR_S, step, np.inf)))
+    factor = step[:shortest].max() / step[shortest]
+    return (abs(time[shortest] - CONTACT_S) <= 0.05 and factor >= least,
+            f"1/{factor:.0f} of {step[:shortest].max():.3f} s at {time[shortest]:.2f} s")
 
 
 def flow(sweep: Sweep) -> Verdict:
@@ -155,6 +189,34 @@ def penalty(sweep: Sweep) -> Verdict:
     return Verdict(PASS if gain >= 1.45 and unflagged == 0 else FAIL, MEASURED, text)
 
 
+def newton_steps(sweep: Sweep) -> Verdict:
+    """Most answers of the penalty method are proven for the first time after 3 to 6 Newton steps."""
+    settings = {**PENALTY, "lanes": 1}
+    point = _point(sweep, settings)
+    if point is None:
+        return _absent(sweep, settings)
+    share = point.record["kernel"]["proven_after_steps"]
+    within, later = sum(share[3:7]), 1 - sum(share[:7])
+    return Verdict(PASS if within > 0.5 else FAIL, MEASURED, f"{within:.0%}; {later:.0%} later or never")
+
+
+def rate(kernel: str, lanes: int, least: float):
+    """A kernel on one core answers at least so many million pairs per second."""
+    def test(sweep: Sweep) -> Verdict:
+        settings = {"kernel": kernel, "lanes": lanes, "family": "random_mixed"}
+        point = _point(sweep, settings)
+        if point is None:
+            return _absent(sweep, settings)
+        seen = 1e3 / median(point)
+        return Verdict(PASS if seen >= least else FAIL, MEASURED, f"{seen:.2f}")
+    return test
+
+
+def cpu_of_run(point: Point) -> float:
+    """Median CPU time (s) of a whole run: steps are of different length."""
+    return statistics.median(sample["cpu_s"] for sample in point.record["samples"])
+
+
 def cpu(point: Point) -> float:
     """Median CPU time (s) of a step."""
     return statistics.median(sample["cpu_s"] / sample["steps"] for sample in point.record["samples"])
@@ -194,6 +256,7 @@ def _scaling(figure: str, panel: str, grid: str, particles: str, scheme: str, an
     return rows
 
 
+PENALTY = {"kernel": "iterative", "family": "random_mixed", "schedule": "constant", "steps": 4}
 CLAIMS: list[Claim] = [
     Claim("8.4", "Figure 8.4: grains flow through the hopper onto the floor", "thesis 8.4", "figure_8_4",
           "mean height falls; some grains below the opening", "none", flow),
@@ -216,8 +279,27 @@ CLAIMS: list[Claim] = [
     Claim("checks", "A grid removes 92 % of the comparisons of 1000 particles", "C18 section 5", "published_grids",
           "all pairs / regular grid at least 12.5", "none",
           ratio({"grid": "none", "particles": 1000}, {"grid": "regular", "particles": 1000}, 12.5, candidates, "size_ratio")),
+    Claim("two-bodies-pairs", "Two bodies on a collision course are compared only near each other", "C18 figure 3, left",
+          "figure_g_1", "none far apart; then at most 8 (regular), 9 (adaptive) in a step", "none",
+          of_grids({"regular": 8, "adaptive": 9}, compared_at_contact)),
+    Claim("two-bodies-step", "The step of two bodies falls at their contact", "C18 figure 3, middle", "figure_g_1",
+          "at 2.68 s to at most 1/100 of the longest before", "0.05 s", of_grids({"adaptive": 100, "reluctant": 100}, step_at_contact)),
+    *(Claim(f"two-bodies-{grid}", f"Two bodies: time on a regular grid over that on the {grid} one", "C18 figure 3, right", "figure_g_1",
+            f"at least {least}", "none", ratio({"grid": "regular-dense"}, {"grid": grid}, least, cpu_of_run))
+      for grid, least in (("adaptive", 30), ("reluctant", 47))),
+    Claim("newton-steps", "Penalty method: most answers are found after 3 to 6 Newton steps", "P17 figure 2", "figure_kernels",
+          "more than half of the pairs; published: all", "none", newton_steps),
+    *(Claim(f"rate-{name}", f"Million triangle pairs per second and core: {name}", "P17", "figure_kernels", f"at least {least}",
+            "none", rate(kernel, 1, least))
+      for name, kernel, least in (("brute", "brute", 1.68), ("hybrid", "hybrid-batch", 1.93), ("penalty", "iterative", 2.75))),
+    Claim("penalty-simd", "The iterative kernel gains from vector lanes", "P17 table 1: 15.5 s / 4.5 s", "figure_kernels",
+          "at least 3.4", "none", ratio({**PENALTY, "lanes": 1}, {**PENALTY, "lanes": 0}, 3.4, median)),
     Claim("triangle-layer", "The triangle layer alone gains up to 13x on 24 cores", "P17 figure 3", None, "up to 13", "-",
           needs("24 cores")),
+    Claim("two-bodies-layer", "The triangle layer of two bodies of 120 vertices gains 6.6x on 24 cores", "C18 figure 4", None,
+          "at least 4.4 (with lanes) to 6.6", "-", needs("24 cores")),
+    Claim("grid-and-triangles", "Threads are best given to triangles: 1 x 24 is faster than 24 x 1 grid threads", "P17 figure 4", None,
+          "1 x 24 is 4.8 times as fast", "-", needs("24 cores")),
     Claim("counters", "Vector lanes multiply the MFLOP/s of brute force", "P17 table 1: 2808 / 962 MFLOP/s", COUNTED,
           "at least 2.9", "none", counted_mflops),
 ]

@@ -31,8 +31,8 @@ class MadeUp:
                 "check": {"passed": True, "how": [{"what": "kernel", "passed": True, "detail": "64 pairs agree"}]},
                 "samples": [{"wall_s": 7 * t, "cpu_s": 7 * t, "steps": 7} for t in times], "warnings": [], **changes}
 
-    def sweep(self, name: str, axes: dict, fixed: dict, elsewhere=()) -> dict[str, dict]:
-        """Writes records for points of up to 2 threads on a known grid; returns points of the index by name."""
+    def sweep(self, name: str, axes: dict, fixed: dict, elsewhere=(), unavailable="adaptive") -> dict[str, dict]:
+        """Writes records for points of up to 2 threads on any grid but the unavailable one; returns points of the index by name."""
         points = {}
         for number, values in enumerate(itertools.product(*axes.values())):
             params = {**fixed, **dict(zip(axes, values))}
@@ -40,8 +40,8 @@ class MadeUp:
             state, why = "finished", ""
             if params.get("threads", 1) > 2:
                 state, why = "needs a bigger machine", f"{params['threads']} threads, 2 cores here"
-            if params.get("grid") == "adaptive":
-                state, why = "not available in this build", "grid 'adaptive'"
+            if unavailable and params.get("grid") == unavailable:
+                state, why = "not available in this build", f"grid '{unavailable}'"
             point_name = " ".join(f"{key}={value}" for key, value in zip(axes, values))
             points[point_name] = {"id": id, "name": point_name, "params": params, "state": state, "why": why}
             if state == "finished":

@@ -73,6 +73,42 @@ def test_the_penalty_method_must_be_faster_and_own_up_to_what_is_wrong(made_up, 
     assert verdict.word == word and "below 0.02 S" in verdict.seen
 
 
+@pytest.mark.parametrize("key,values,claim", [
+    ("candidate_pairs", [0, 0, 10, 0], None), ("candidate_pairs", [0, 10, 10, 0], "two-bodies-pairs"),
+    ("candidate_pairs", [0, 0, 90, 0], "two-bodies-pairs"), ("candidate_pairs", [0, 0, 0, 0], "two-bodies-pairs"),
+    ("step_s", [0.001, 0.2, 0.01, 0.1], "two-bodies-step"), ("time_s", [0.1, 1.9, 2.8, 4], "two-bodies-step")])
+def test_two_bodies_meet_once(made_up, key, values, claim):
+    history = {"every": 10, "time_s": [0.1, 1.9, 2.68, 4], "step_s": [1e-4, 0.2, 1e-3, 0.1], "candidate_pairs": [0, 0, 10, 0]}
+    points = made_up.sweep("figure_g_1", {"grid": ["regular", "adaptive", "reluctant"]}, {"particles": 2, "vertices": 1}, unavailable=None)
+    for point in points.values():
+        made_up.change("figure_g_1", point["id"], history={**history, key: values})
+    for id in ("two-bodies-pairs", "two-bodies-step"):
+        assert judge(BY_ID[id], made_up.folder).word == (FAIL if id == claim else PASS), id
+    made_up.change("figure_g_1", points["grid=adaptive"]["id"], check={"passed": False, "how": []})
+    assert judge(BY_ID["two-bodies-step"], made_up.folder).word == UNTESTABLE
+
+
+@pytest.mark.parametrize("seconds,word", [(31, PASS), (29, FAIL)])
+def test_grids_are_compared_by_the_time_of_whole_runs(made_up, seconds, word):
+    points = made_up.sweep("figure_g_1", {"grid": ["regular-dense", "adaptive"]}, {"particles": 2, "vertices": 1}, unavailable=None)
+    for name, point in points.items():  # the runs take different numbers of steps
+        dense = "dense" in name
+        made_up.change("figure_g_1", point["id"], samples=[{"cpu_s": seconds if dense else 1, "steps": 100 if dense else 1}])
+    assert judge(BY_ID["two-bodies-adaptive"], made_up.folder).word == word
+    assert judge(BY_ID["two-bodies-reluctant"], made_up.folder).word == UNTESTABLE
+
+
+@pytest.mark.parametrize("nanoseconds,shares,words", [(360, [0, 0, 0, .6], (PASS, PASS)), (370, [0, 0, .6, .4], (FAIL, FAIL)),
+                                                       (360, [0] * 6 + [.4, .6], (PASS, FAIL))])
+def test_rates_and_newton_steps_of_the_penalty_method(made_up, nanoseconds, shares, words):
+    settings = {"family": "random_mixed", "lanes": 1, "schedule": "constant", "steps": 4, "particles": 1, "vertices": 1}
+    for point in made_up.sweep("figure_kernels", {"kernel": ["iterative"]}, settings).values():
+        made_up.change("figure_kernels", point["id"], samples=[{"cpu_s": 1e-9 * nanoseconds, "pairs": 1}],
+                       kernel={"proven_after_steps": shares})
+    assert tuple(judge(BY_ID[id], made_up.folder).word for id in ("rate-penalty", "newton-steps")) == words
+    assert judge(BY_ID["penalty-simd"], made_up.folder).word == UNTESTABLE
+
+
 @pytest.mark.parametrize("flops,word", [((3e6, 1e6), PASS), ((2e6, 1e6), FAIL), ((None, 1e6), UNTESTABLE), (None, UNTESTABLE)])
 def test_counted_flops_decide_where_there_are_counters(made_up, flops, word):
     points = made_up.sweep("figure_counters", {"kernel": ["brute-simd", "brute"]}, {**FIXED, "vertices": 10})
