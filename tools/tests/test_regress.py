@@ -172,6 +172,20 @@ def test_every_run_has_a_copy_of_its_own_that_stays_until_the_point_is_done(tmp_
     assert not any(Path(path).exists() or str(tmp_path) in path for path in paths)
 
 
+@pytest.mark.parametrize("times,verdict", [(1, SAME), (2, SLOWER)])
+def test_a_run_that_is_too_long_once_is_run_again(tmp_path, times, verdict):
+    folders = [build(tmp_path / name, noise=0.001) for name in "ab"]
+    slow = folders[1] / "dem_bench"
+    slow.write_text(slow.read_text().replace("chance = random", f"""if len(open(built + ".calls").readlines()) <= {times}:
+    import time
+    time.sleep(60)
+chance = random"""))
+    (tmp_path / "tried.json").write_text(json.dumps({**SPEC, "time_limit_s": 2}))
+    spec = read_spec(tmp_path / "tried.json")
+    found, = compare_builds(spec, tuple(find_bench(spec.program, folder, ROOT) for folder in folders), None, LEAST_PAIRS, print)
+    assert found.verdict == verdict and ("needed more than 2 s, twice" in found.why) == (verdict == SLOWER)
+
+
 def test_ended_by_a_signal_it_leaves_nothing_behind(tmp_path):
     (tmp_path / "tmp").mkdir()
     (tmp_path / "tried.json").write_text(json.dumps(SPEC))
