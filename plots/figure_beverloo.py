@@ -47,14 +47,14 @@ def draw(results: Path, out: Path) -> Drawn:
                                    **style | {"marker": "x"})
                     if opening in rates:
                         notes.append(f"{name}: with springs {factor:g} times as stiff the mean flow at D = {opening:g} d changes by "
-                                     f"{percent(stiff, rates[opening])} ({len(stiff)} seeds).")
+                                     f"{percent(stiff, rates[opening])} ({seeds(len(stiff))}).")
                     rows.append(row(kind, times, opening, runs))
             rows += [row(kind, stiffness[0], opening, runs) for opening, runs in found.items()]
             notes += [emptying(sinking, runs, rates.get(opening), f"{name}, D = {opening:g} d", style)
                       for opening, runs in ensembles(sweep, kind, stiffness[0], "emptying").items() if opening in rates]
         flow.set(xlim=(0, None), ylim=(0, None))
-        for axis in (flow, sinking):
-            legend(axis, fontsize=9)
+        legend(flow, fontsize=9, loc="upper left")
+        legend(sinking, fontsize=9)
         sinking.invert_xaxis()
         foot(figure, sweep)
         figure.tight_layout(rect=(0, 0.06, 1, 1))
@@ -109,9 +109,13 @@ def with_quartiles(axis, groups: dict[float, list[float]], **style) -> None:
     axis.errorbar(list(groups), middle, yerr=[middle - low, high - middle], **style)
 
 
+def seeds(count: int) -> str:
+    return f"{count} seed{'s' * (count != 1)}"
+
+
 def seeds_of(groups: dict[float, list]) -> str:
     few, many = min(map(len, groups.values())), max(map(len, groups.values()))
-    return f"{few} seed(s)" if few == many else f"{few} to {many} seeds"
+    return seeds(few) if few == many else f"{few} to {seeds(many)}"
 
 
 def fitted(axis, rates: dict[float, list[float]], name: str, style: dict) -> str:
