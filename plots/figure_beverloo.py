@@ -3,6 +3,7 @@
 the flow from a bin that is kept full changes with time; and how it follows the height of the grains when the bin empties."""
 import packages  # noqa: F401, I001: before all that need them
 import sys
+from collections import Counter
 from pathlib import Path
 
 import matplotlib
@@ -10,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from figure import COLOURS, MARKERS, STYLE, Drawn, command_line, foot, head, legend, save
-from records import DRAWN, Sweep, load_sweep
+from records import DRAWN, Point, Sweep, load_sweep
 
 NAME = "figure_beverloo"
 DENSITY, GRAVITY = 1000, 9.81  # of the grains, kg/m3; m/s2
@@ -49,6 +50,7 @@ def draw(results: Path, out: Path) -> Drawn:
                         notes.append(f"{name}: with springs {factor:g} times as stiff the mean flow at D = {opening:g} d changes by "
                                      f"{percent(stiff, rates[opening])} ({seeds(len(stiff))}).")
                     rows.append(row(kind, times, opening, runs))
+            notes += left_out(sweep, kind, name)
             rows += [row(kind, stiffness[0], opening, runs) for opening, runs in found.items()]
             notes += [emptying(sinking, runs, rates.get(opening), f"{name}, D = {opening:g} d", style)
                       for opening, runs in ensembles(sweep, kind, stiffness[0], "emptying").items() if opening in rates]
@@ -64,16 +66,31 @@ def draw(results: Path, out: Path) -> Drawn:
 
 
 def ensembles(sweep: Sweep, kind: int, stiffness: float, study: str = "discharge") -> dict[float, list[dict[str, float]]]:
-    """Over the openings: the metrics of every seed that flowed to the end."""
+    """Over the openings: the metrics of every sound seed that flowed to the end."""
     found: dict[float, list[dict[str, float]]] = {}
     for point in sweep.points:
         p = point.params
         if point.state != DRAWN or (p["vertices"], p["stiffness"], p["study"]) != (kind, stiffness, study):
             continue
         metrics = {name: metric["value"] for name, metric in point.record["metrics"].items()}
-        if None not in metrics.values():
+        if None not in metrics.values() and not missed(point):
             found.setdefault(p["value"], []).append(metrics)
     return dict(sorted(found.items()))
+
+
+def missed(point: Point) -> list[str]:
+    """The bars of soundness that a run misses: contacts too fast for their springs, steps too long, energy."""
+    return [name.replace("_", " ") for name, metric in point.record["metrics"].items() if metric["within"] is False]
+
+
+def left_out(sweep: Sweep, kind: int, name: str) -> list[str]:
+    """A note of the runs that are not sound."""
+    runs = [point for point in sweep.points if point.state == DRAWN and point.params["vertices"] == kind]
+    reasons = Counter(bar for point in runs for bar in missed(point))
+    if not reasons:
+        return []
+    why = ", ".join(f"{bar} in {count}" for bar, count in reasons.items())
+    return [f"{name}: {sum(bool(missed(point)) for point in runs)} of {len(runs)} runs missed a bar of soundness and are left out ({why})."]
 
 
 def rate(m: dict[str, float], name: str = "rate_kg_s") -> float:

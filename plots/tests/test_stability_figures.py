@@ -92,3 +92,7 @@ def test_the_law_of_discharge_is_found_and_how_low_a_bin_may_sink(made_up):
     assert "changes by -1.0 +- 0.0 % at most" in notes
     assert "springs 4 times as stiff the mean flow at D = 6 d changes by +0.0" in notes
     assert "D = 6 d: while the bin empties the flow stays within 3 % of that of a full one down to 50 %" in notes
+    assert "left out" not in notes
+    sweep(made_up, "figure_beverloo", axes | {"seed": [1, 2]}, lambda p: metrics(p) | {"fast_contacts": metric(p["seed"] - 1, 0)})
+    notes = " ".join(draw(made_up, "figure_beverloo").notes)
+    assert "1 seed per opening" in notes and "12 of 24 runs missed a bar of soundness and are left out (fast contacts in 12)" in notes
