@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from figure import COLOURS, MARKERS, STYLE, Drawn, command_line, foot, head, legend, save
-from records import DRAWN, Point, Sweep, load_sweep
+from records import DRAWN, Sweep, load_sweep
+from stability import outside
 
 NAME = "figure_beverloo"
 DENSITY, GRAVITY = 1000, 9.81  # of the grains, kg/m3; m/s2
@@ -68,29 +69,25 @@ def draw(results: Path, out: Path) -> Drawn:
 def ensembles(sweep: Sweep, kind: int, stiffness: float, study: str = "discharge") -> dict[float, list[dict[str, float]]]:
     """Over the openings: the metrics of every sound seed that flowed to the end."""
     found: dict[float, list[dict[str, float]]] = {}
+    unsound = {point.id for point, _ in outside(sweep)}
     for point in sweep.points:
         p = point.params
         if point.state != DRAWN or (p["vertices"], p["stiffness"], p["study"]) != (kind, stiffness, study):
             continue
         metrics = {name: metric["value"] for name, metric in point.record["metrics"].items()}
-        if None not in metrics.values() and not missed(point):
+        if None not in metrics.values() and point.id not in unsound:
             found.setdefault(p["value"], []).append(metrics)
     return dict(sorted(found.items()))
 
 
-def missed(point: Point) -> list[str]:
-    """The bars of soundness that a run misses: contacts too fast for their springs, steps too long, energy."""
-    return [name.replace("_", " ") for name, metric in point.record["metrics"].items() if metric["within"] is False]
-
-
 def left_out(sweep: Sweep, kind: int, name: str) -> list[str]:
-    """A note of the runs that are not sound."""
-    runs = [point for point in sweep.points if point.state == DRAWN and point.params["vertices"] == kind]
-    reasons = Counter(bar for point in runs for bar in missed(point))
-    if not reasons:
+    """A note of the runs that miss a bar of soundness: contacts too fast for their springs, steps too long, energy."""
+    unsound = [(point.id, metric) for point, metric in outside(sweep) if point.params["vertices"] == kind]
+    if not unsound:
         return []
-    why = ", ".join(f"{bar} in {count}" for bar, count in reasons.items())
-    return [f"{name}: {sum(bool(missed(point)) for point in runs)} of {len(runs)} runs missed a bar of soundness and are left out ({why})."]
+    runs = sum(point.state == DRAWN and point.params["vertices"] == kind for point in sweep.points)
+    why = ", ".join(f"{metric.replace('_', ' ')} in {count}" for metric, count in Counter(metric for _, metric in unsound).items())
+    return [f"{name}: {len({id for id, _ in unsound})} of {runs} runs missed a bar of soundness and are left out ({why})."]
 
 
 def rate(m: dict[str, float], name: str = "rate_kg_s") -> float:

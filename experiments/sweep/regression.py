@@ -233,15 +233,12 @@ def _count(counted: Counted, benches: tuple[Bench, Bench], point: Point, start: 
 
 def _trouble(command: list[str], spec: Spec) -> str:
     """Runs it; why it did not end well, or nothing. A machine that slept meanwhile makes a run too long once and not twice."""
-    def run() -> subprocess.CompletedProcess:
-        return subprocess.run(command, capture_output=True, text=True, timeout=spec.time_limit_s, check=False)
-    try:
+    for _ in range(2):
         try:
-            done = run()
+            done = subprocess.run(command, capture_output=True, text=True, timeout=spec.time_limit_s, check=False)
         except subprocess.TimeoutExpired:
-            done = run()
-    except subprocess.TimeoutExpired:
-        return f"needed more than {spec.time_limit_s:g} s, twice"
-    except OSError as error:
-        raise SweepError(f"{command[0]} does not start ({error.strerror}). Name a folder where programs may run in TMPDIR.") from None
-    return "" if done.returncode == 0 else complaint(done)
+            continue
+        except OSError as error:
+            raise SweepError(f"{command[0]} does not start ({error.strerror}). Name a folder where programs may run in TMPDIR.") from None
+        return "" if done.returncode == 0 else complaint(done)
+    return f"needed more than {spec.time_limit_s:g} s, twice"
