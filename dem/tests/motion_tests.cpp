@@ -1,4 +1,5 @@
 #include "dem/motion.hpp"
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace trigrain {
@@ -100,6 +101,32 @@ TEST(Motion, FixedBodiesStayWhereTheyAre) {
   integrate(particles, push, {0, -10, 0}, 1, 0, 1);
   EXPECT_EQ(particles.position[0], Vector3d::Zero());
   EXPECT_EQ(particles.angular_velocity(0), Vector3d::Zero());
+}
+
+TEST(Particles, TheHashKnowsEveryBitOfPlacesOrientationsAndMotions) {
+  Particles particles;
+  Body ball;
+  ball.sphere_radius = .5;
+  for (const double x : {1., 3.}) {
+    ball.position = ball.velocity = ball.angular_velocity = {x, x, x};
+    particles.add(ball);
+  }
+  const std::uint64_t hash = particles.hash();
+  const auto expect_known = [&](double& number, const char* what) {
+    const double before = number;
+    number = std::nextafter(number, 10.);
+    EXPECT_NE(particles.hash(), hash) << what;
+    number = before;
+    EXPECT_EQ(particles.hash(), hash) << what;
+  };
+  for (int i = 0; i < particles.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      expect_known(particles.position[i][axis], "position");
+      expect_known(particles.velocity[i][axis], "velocity");
+      expect_known(particles.angular_momentum[i][axis], "angular momentum");
+    }
+    for (int k = 0; k < 4; ++k) expect_known(particles.orientation[i].coeffs()[k], "orientation");
+  }
 }
 
 } // namespace
