@@ -23,9 +23,7 @@ void MiddleMotion::update(const Particles& p, const Loads& loads, const Vector3d
   for (int i = begin; i < end; ++i) {
     if (p.fixed(i)) continue;
     velocity[i] = p.velocity[i] + kick_s / 2 * (gravity + p.inverse_mass[i] * loads.force[i]);
-    const Eigen::Quaterniond& q = p.orientation[i];
-    const Vector3d momentum = p.angular_momentum[i] + kick_s / 2 * loads.torque[i];
-    angular_velocity[i] = q * (q.conjugate() * momentum).cwiseQuotient(p.inertia[i]);
+    angular_velocity[i] = p.angular_velocity(i, p.angular_momentum[i] + kick_s / 2 * loads.torque[i]);
   }
 }
 

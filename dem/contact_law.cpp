@@ -6,23 +6,35 @@
 namespace trigrain {
 namespace {
 
-Spring spring_dashpot(const ContactParameters& law, const Particles&, const Contact& c, double overlap) {
+double linear_energy(const ContactParameters& law, const Particles&, const Contact& c, double overlap) {
+  return law.stiffness / 2 * c.share * overlap * overlap;
+}
+
+Spring spring_dashpot(const ContactParameters& law, const Particles& p, const Contact& c, double overlap) {
   const double k = law.stiffness;
   return {.secant = k,
           .tangent = k,
           .tangential = law.tangential_ratio * k,
           .damping = 2 * law.damping_ratio * c.share * std::sqrt(k * c.mass),
-          .energy = k / 2 * c.share * overlap * overlap};
+          .energy = linear_energy(law, p, c, overlap)};
 }
 
 double elastic_radius(const Particles& p, int i) {
   return (p.is_sphere(i) ? p.radius[i] : p.mesh[i]->curvature_radius) + p.halo[i];
 }
 
+HertzPair hertz_pair_of(const ContactParameters& law, const Particles& p, const Contact& c) {
+  return hertz_pair(law, elastic_radius(p, c.a), elastic_radius(p, c.b), p.fixed(c.a) || p.fixed(c.b));
+}
+
+double hertz_energy(const ContactParameters& law, const Particles& p, const Contact& c, double overlap) {
+  return .4 * hertz_pair_of(law, p, c).k * std::sqrt(overlap) * overlap * overlap;
+}
+
 /// Hertz (1882); tangential stiffness of Mindlin (1949) without slip; dashpots of Tsuji, Tanaka & Ishida (1992), whose
 /// restitution does not depend on speed. Fixed bodies are rigid.
 Spring hertz_mindlin(const ContactParameters& law, const Particles& p, const Contact& c, double overlap) {
-  const HertzPair pair = hertz_pair(law, elastic_radius(p, c.a), elastic_radius(p, c.b), p.fixed(c.a) || p.fixed(c.b));
+  const HertzPair pair = hertz_pair_of(law, p, c);
   const double root = std::sqrt(overlap), secant = pair.k * root;
   return {.secant = secant,
           .tangent = 1.5 * secant,
@@ -33,9 +45,10 @@ Spring hertz_mindlin(const ContactParameters& law, const Particles& p, const Con
 
 constexpr ContactLaw table[] = {
     {"spring-dashpot", "linear spring and dashpot, tangential ones in a fixed ratio (Cundall & Strack 1979)",
-     spring_dashpot},
+     spring_dashpot, linear_energy},
     {"hertz-mindlin",
-     "spheres and icospheres of an elastic material; fixed bodies are rigid (Hertz 1882, Mindlin 1949)", hertz_mindlin},
+     "spheres and icospheres of an elastic material; fixed bodies are rigid (Hertz 1882, Mindlin 1949)", hertz_mindlin,
+     hertz_energy},
 };
 
 } // namespace

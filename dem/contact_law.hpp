@@ -26,6 +26,8 @@ struct ContactLaw {
   std::string_view name;
   std::string_view about;
   Spring (*spring)(const ContactParameters& law, const Particles& particles, const Contact& contact, double overlap);
+  /// Spring::energy alone.
+  double (*energy)(const ContactParameters& law, const Particles& particles, const Contact& contact, double overlap);
 };
 
 std::span<const ContactLaw> contact_laws();

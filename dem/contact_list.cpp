@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <utility>
 
 namespace trigrain {
 namespace {
@@ -19,6 +20,10 @@ class CountUp {
  private:
   bool alone_; // then atomic additions, a tenth of a step of spheres, are not needed
 };
+
+std::pair<int, int> owner_first(const Particles& particles, const FoundPair& pair) {
+  return particles.smaller(pair.a, pair.b) == pair.b ? std::pair(pair.b, pair.a) : std::pair(pair.a, pair.b);
+}
 
 /// Resizes to `count` with a sixteenth of room to grow, where vectors left alone take twice of what they need.
 template <class T> void resize_closely(std::vector<T>& list, std::size_t count) {
@@ -49,46 +54,48 @@ template <class Visit> void for_found(std::span<const WorkerBuffer> buffers, Tea
 void ContactList::gather(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
   last_springs_.swap(springs_);
   last_pairs_.swap(pairs_);
-  last_first_a_.swap(first_a_);
+  last_first_.swap(first_);
   count(buffers, particles, team);
-  sort_pairs(buffers, particles.size(), team);
-  sort_by_b(particles, team);
+  sort_pairs(buffers, particles, team);
+  sort_by_other(particles, team);
 }
 
-/// How many pairs each body has as a and as b. Fixed bodies feel no forces.
+/// How many pairs each body owns, and in how many it is the other one. Fixed bodies feel no forces.
 void ContactList::count(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
-  first_a_.assign(particles.size() + 1, 0);
-  first_b_.assign(particles.size() + 1, 0);
+  first_.assign(particles.size() + 1, 0);
+  first_of_others_.assign(particles.size() + 1, 0);
   const CountUp count_up(team);
   for_found(buffers, team, [&](int, const FoundPair& found) {
-    count_up(first_a_[found.a + 1]);
-    if (!particles.fixed(found.b)) count_up(first_b_[found.b + 1]);
+    const auto [owner, other] = owner_first(particles, found);
+    count_up(first_[owner + 1]);
+    if (!particles.fixed(other)) count_up(first_of_others_[other + 1]);
   });
-  add_up(first_a_);
-  add_up(first_b_);
-  resize_closely(pairs_, first_a_.back());
-  resize_closely(reactions_, first_a_.back());
-  resize_closely(pairs_of_b_, first_b_.back());
+  add_up(first_);
+  add_up(first_of_others_);
+  resize_closely(pairs_, first_.back());
+  resize_closely(reactions_, first_.back());
+  resize_closely(pairs_of_others_, first_of_others_.back());
 }
 
-/// Counting sort by a: where the workers put a pair among those of its a depends on who is first, sorting by b mends
-/// it. Where contacts go follows from how many each pair has.
-void ContactList::sort_pairs(std::span<const WorkerBuffer> buffers, int bodies, Team& team) {
+/// Counting sort by owner: where the workers put a pair among those of its owner depends on who is first, sorting by
+/// the other body mends it. Where contacts go follows from how many each pair has.
+void ContactList::sort_pairs(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
   const CountUp count_up(team);
-  place_.assign(first_a_.begin(), first_a_.end());
+  place_.assign(first_.begin(), first_.end());
   for_found(buffers, team, [&](int worker, const FoundPair& f) {
-    pairs_[count_up(place_[f.a])] = {f.a, f.b, worker, f.first, 0, f.count};
+    const auto [owner, other] = owner_first(particles, f);
+    pairs_[count_up(place_[owner])] = {owner, other, worker, f.first, 0, f.count};
   });
-  team.parallel_for(bodies, grain, [&](int begin, int end, int) {
-    for (int a = begin; a < end; ++a) {
-      const auto own = std::span(pairs_).subspan(first_a_[a], first_a_[a + 1] - first_a_[a]);
-      std::sort(own.begin(), own.end(), [](const Pair& l, const Pair& r) { return l.b < r.b; });
+  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
+    for (int owner = begin; owner < end; ++owner) {
+      const auto own = std::span(pairs_).subspan(first_[owner], first_[owner + 1] - first_[owner]);
+      std::sort(own.begin(), own.end(), [](const Pair& l, const Pair& r) { return l.other < r.other; });
       int count = 0;
       for (Pair& pair : own) {
         pair.first = count;
         count += pair.count;
       }
-      place_[a + 1] = count;
+      place_[owner + 1] = count;
     }
   });
   place_[0] = 0;
@@ -97,20 +104,20 @@ void ContactList::sort_pairs(std::span<const WorkerBuffer> buffers, int bodies, 
   resize_closely(springs_, place_.back());
 }
 
-/// The same pairs sorted by (b, a); those of a body know now where its contacts begin.
-void ContactList::sort_by_b(const Particles& particles, Team& team) {
+/// The same pairs sorted by (other, owner); those of a body know now where its contacts begin.
+void ContactList::sort_by_other(const Particles& particles, Team& team) {
   const CountUp count_up(team);
-  place_b_.assign(first_b_.begin(), first_b_.end());
+  place_of_others_.assign(first_of_others_.begin(), first_of_others_.end());
   team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
     for (int i = begin; i < end; ++i) {
       Pair& pair = pairs_[i];
-      pair.first += place_[pair.a];
-      if (!particles.fixed(pair.b)) pairs_of_b_[count_up(place_b_[pair.b])] = i;
+      pair.first += place_[pair.owner];
+      if (!particles.fixed(pair.other)) pairs_of_others_[count_up(place_of_others_[pair.other])] = i;
     }
   });
   team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
-    for (int b = begin; b < end; ++b)
-      std::sort(pairs_of_b_.begin() + first_b_[b], pairs_of_b_.begin() + first_b_[b + 1]);
+    for (int i = begin; i < end; ++i)
+      std::sort(pairs_of_others_.begin() + first_of_others_[i], pairs_of_others_.begin() + first_of_others_[i + 1]);
   });
 }
 
@@ -126,16 +133,16 @@ void ContactList::fetch(int i, std::span<const WorkerBuffer> buffers, const Part
   const Pair& pair = pairs_[i];
   const auto* const found = reinterpret_cast<const char*>(buffers[pair.worker].contacts.data() + pair.found);
   for (std::size_t byte = 0; byte < sizeof(Touch); byte += 64) __builtin_prefetch(found + byte);
-  __builtin_prefetch(&particles.position[pair.b]);
-  __builtin_prefetch(&particles.velocity[pair.b]);
+  __builtin_prefetch(&particles.position[pair.other]);
+  __builtin_prefetch(&particles.velocity[pair.other]);
 }
 
 std::span<const HeldSpring> ContactList::last_of_pair(int pair) const {
-  const auto [a, b] = std::pair(pairs_[pair].a, pairs_[pair].b);
-  if (last_first_a_.empty()) return {};
-  const auto first = last_pairs_.begin() + last_first_a_[a], last = last_pairs_.begin() + last_first_a_[a + 1];
-  const auto found = std::lower_bound(first, last, b, [](const Pair& p, int body) { return p.b < body; });
-  return found != last && found->b == b ? within(last_springs_, *found) : std::span<const HeldSpring>();
+  const auto [owner, other] = std::pair(pairs_[pair].owner, pairs_[pair].other);
+  if (last_first_.empty()) return {};
+  const auto first = last_pairs_.begin() + last_first_[owner], last = last_pairs_.begin() + last_first_[owner + 1];
+  const auto found = std::lower_bound(first, last, other, [](const Pair& p, int body) { return p.other < body; });
+  return found != last && found->other == other ? within(last_springs_, *found) : std::span<const HeldSpring>();
 }
 
 } // namespace trigrain

@@ -8,12 +8,13 @@
 
 namespace trigrain {
 
-/// The contacts of one step in an order that does not depend on who found them: by (a, b, feature_a, feature_b). Every
-/// body finds its own, so that its forces are summed by one thread, in that order.
+/// The contacts of one step in an order that does not depend on who found them. A pair belongs to its smaller body, as
+/// walls have too many pairs to sort. Contacts are sorted by (owner, other body, feature_a, feature_b). Every body finds
+/// its own, so that its forces are summed by one thread, in that order.
 class ContactList {
   /// A body pair's contacts: where a worker left them, and their place in the list.
   struct Pair {
-    int a, b;
+    int owner, other;
     int worker, found;
     int first, count;
   };
@@ -39,35 +40,37 @@ class ContactList {
   /// Before a pair is laid out: fetches what it needs from far off in memory, while others are worked on.
   void fetch(int pair, std::span<const WorkerBuffer> buffers, const Particles& particles) const;
 
-  /// Calls visit(reaction, is_a) for the pairs of a body, those first in which it is b; of fixed bodies only those in
-  /// which they are a.
+  /// Calls visit(reaction) for the pairs of a body that moves, those first which another one owns.
   template <class Visit> void for_reactions(int body, const Visit& visit) const {
-    const int later = std::min(body + 4, static_cast<int>(first_b_.size()) - 2);
-    for (int i = first_b_[later]; i < first_b_[later + 1]; ++i) __builtin_prefetch(&reactions_[pairs_of_b_[i]]);
-    for (int i = first_b_[body]; i < first_b_[body + 1]; ++i) visit(reactions_[pairs_of_b_[i]], false);
-    for (int i = first_a_[body]; i < first_a_[body + 1]; ++i) visit(reactions_[i], true);
+    const int later = std::min(body + 4, static_cast<int>(first_of_others_.size()) - 2);
+    for (int i = first_of_others_[later]; i < first_of_others_[later + 1]; ++i)
+      __builtin_prefetch(&reactions_[pairs_of_others_[i]]);
+    for_pairs(body, [&](int pair) { visit(reactions_[pair]); });
   }
-  /// Calls visit(contact, is_a) for the contacts of a body, those first in which it is b; of fixed bodies only those in
-  /// which they are a.
+  /// Calls visit(contact) for the contacts of a body that moves, in the same order.
   template <class Visit> void for_body(int body, const Visit& visit) const {
-    for (int i = first_b_[body]; i < first_b_[body + 1]; ++i)
-      for (const Contact& c : within(contacts_, pairs_[pairs_of_b_[i]])) visit(c, false);
-    for (int i = first_a_[body]; i < first_a_[body + 1]; ++i)
-      for (const Contact& c : within(contacts_, pairs_[i])) visit(c, true);
+    for_pairs(body, [&](int pair) {
+      for (const Contact& c : within(contacts_, pairs_[pair])) visit(c);
+    });
   }
 
  private:
+  template <class Visit> void for_pairs(int body, const Visit& visit) const {
+    for (int i = first_of_others_[body]; i < first_of_others_[body + 1]; ++i) visit(pairs_of_others_[i]);
+    for (int i = first_[body]; i < first_[body + 1]; ++i) visit(i);
+  }
   void count(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team);
-  void sort_pairs(std::span<const WorkerBuffer> buffers, int bodies, Team& team);
-  void sort_by_b(const Particles& particles, Team& team);
+  void sort_pairs(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team);
+  void sort_by_other(const Particles& particles, Team& team);
 
   std::vector<Contact> contacts_;
   std::vector<HeldSpring> springs_, last_springs_; // of the contacts and of the last step's, in their order
-  std::vector<Pair> pairs_, last_pairs_;           // sorted by (a, b)
+  std::vector<Pair> pairs_, last_pairs_;           // sorted by (owner, other)
   std::vector<Reaction> reactions_;                // of each pair
-  std::vector<int> first_a_, last_first_a_;        // pairs of body a: [a], ..., [a + 1] - 1
-  std::vector<int> first_b_, pairs_of_b_;          // pairs in which a body is b, by a
-  std::vector<int> place_, place_b_;               // scratch per body
+  std::vector<int> first_, last_first_;            // pairs that body i owns: [i], ..., [i + 1] - 1
+  std::vector<int> first_of_others_;               // the same of the list of pairs in which it is the other one,
+  std::vector<int> pairs_of_others_;               // by owner; of bodies that move
+  std::vector<int> place_, place_of_others_;       // scratch per body
 };
 
 } // namespace trigrain

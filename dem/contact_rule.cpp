@@ -19,11 +19,15 @@ void set_masses_of_bodies(const Particles& p, std::span<Touch> contacts) {
   for (Touch& c : contacts) c.mass = 1 / (p.inverse_mass[c.a] + p.inverse_mass[c.b]);
 }
 
-/// Inverse of the mass that resists a force and the torque about the centre of body i (1/kg).
-double inverse_mass(const Particles& p, int i, const Vector3d& force, const Vector3d& torque) {
+/// Inverse of the mass (1/kg) with which body i resists the springs of contacts, and their sum `force` (m).
+double inverse_mass(const Particles& p, int i, std::span<const Touch> contacts, const Vector3d& force) {
   if (p.fixed(i)) return 0;
-  const Vector3d t = p.is_sphere(i) ? torque : p.orientation[i].conjugate() * torque;
-  return p.inverse_mass[i] * force.squaredNorm() + t.cwiseQuotient(p.inertia[i]).dot(t);
+  const double pushed = p.inverse_mass[i] * force.squaredNorm();
+  if (p.is_sphere(i)) return pushed; // they point at its centre
+  Vector3d torque = Vector3d::Zero();
+  for (const Touch& c : contacts) torque += (c.point - p.position[i]).cross(c.share * c.overlap * c.normal);
+  const Vector3d t = p.orientation[i].conjugate() * torque;
+  return pushed + t.cwiseQuotient(p.inertia[i]).dot(t);
 }
 
 } // namespace
@@ -32,22 +36,25 @@ double inverse_mass(const Particles& p, int i, const Vector3d& force, const Vect
 /// dashpots for the effective mass along s give every contact the damping ratio that was asked for: one corner far from
 /// the centre of mass, an edge, or a face on all its corners.
 void set_collective_mass(const Particles& p, std::span<Touch> contacts) {
-  const int a = contacts.front().a, b = contacts.front().b;
-  Vector3d force = Vector3d::Zero(), torque_a = force, torque_b = force;
+  Vector3d force = Vector3d::Zero();
   double s2 = 0;
   for (const Touch& c : contacts) {
-    const Vector3d f = c.share * c.overlap * c.normal;
     s2 += c.share * c.overlap * c.overlap;
-    force += f;
-    torque_a += (c.point - p.position[a]).cross(f);
-    torque_b += (c.point - p.position[b]).cross(f);
+    force += c.share * c.overlap * c.normal;
   }
-  const double mass = s2 / (inverse_mass(p, a, force, torque_a) + inverse_mass(p, b, force, torque_b));
+  const Touch& any = contacts.front();
+  const double mass = s2 / (inverse_mass(p, any.a, contacts, force) + inverse_mass(p, any.b, contacts, force));
   for (Touch& c : contacts) c.mass = mass;
 }
 
 bool by_features(const Touch& l, const Touch& r) {
   return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
+}
+
+void settle_pieces(const Particles& p, std::span<Touch> contacts) {
+  std::sort(contacts.begin(), contacts.end(), by_features);
+  set_springs(contacts);
+  set_collective_mass(p, contacts);
 }
 
 namespace {
@@ -101,18 +108,16 @@ void keep_nearest(const Particles& p, Contacts& contacts, std::size_t first) {
       *same = contact;
   }
   contacts.resize(end);
-  std::sort(contacts.begin() + first, contacts.end(), by_features);
-  set_springs(from(contacts, first));
-  set_collective_mass(p, from(contacts, first));
+  settle_pieces(p, from(contacts, first));
 }
 
 constexpr ContactRule table[] = {
-    {"all-pairs", "every touching triangle pair is a contact (Krestenitis 2018)", false, keep_all},
+    {"all-pairs", "every touching triangle pair is a contact (Krestenitis 2018)", false, false, keep_all},
     {"dedupe", "the same without those nearer to a deeper one than their shortest edge (Krestenitis 2018)", false,
-     drop_close_ones},
-    {"nearest", "one contact per pair of connected surface pieces, where they are closest", false, keep_nearest},
+     false, drop_close_ones},
+    {"nearest", "one contact per pair of connected surface pieces, where they are closest", false, true, keep_nearest},
     {"features", "corners against the other body, edges against edges, however faces are cut; curved bodies as nearest",
-     true, keep_nearest},
+     true, true, keep_nearest},
 };
 
 } // namespace

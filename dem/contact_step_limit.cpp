@@ -69,7 +69,8 @@ ContactStepLimit::Mode ContactStepLimit::respond(const Particles& p, const Conta
     for (int i = begin; i < end; ++i) {
       if (p.fixed(i)) continue;
       Vector3d force(0, 0, 0), torque(0, 0, 0);
-      contacts.for_body(i, [&](const Contact& c, bool is_a) {
+      contacts.for_body(i, [&](const Contact& c) {
+        const bool is_a = c.a == i;
         const std::ptrdiff_t at = &c - first;
         const Vector3d f = is_a ? force_[at] : (-force_[at]).eval();
         force += f;

@@ -38,12 +38,10 @@ Vector3d turned_spring(const HeldSpring& spring, const Vector3d& normal, double 
   return std::min(1., spring.stiffness / stiffness) * std::sqrt(spring.stretch.squaredNorm() / length2) * in_plane;
 }
 
-/// Square of the largest speed of approach (m/s) that the undamped spring stops before it has taken up the sum of
-/// halos.
-double fastest_stopped_squared(const ContactParameters& parameters, const ContactLaw& law, const Particles& p,
-                               const Contact& c, double energy) {
-  const double all = law.spring(parameters, p, c, p.halo[c.a] + p.halo[c.b]).energy;
-  return 2 * std::max(0., all - energy) / (c.share * c.mass); // what a share leaves out, other contacts hold
+/// What the undamped spring still takes up (J) until the surfaces cross. What a share leaves out, other contacts hold.
+double energy_to_crossing(const ContactParameters& parameters, const ContactLaw& law, const Particles& p,
+                          const Contact& c, double energy) {
+  return std::max(0., law.energy(parameters, p, c, p.halo[c.a] + p.halo[c.b]) - energy);
 }
 
 /// The dashpot's coefficient (kg/s) in this step, so that the rebound is right to second order in the step. Velocities
@@ -67,13 +65,13 @@ FastContact fast_contact(const Particles& p, const ContactParameters& parameters
   const ContactLaw& law = law_of(parameters);
   const Vector3d relative =
       velocity_at(p, c.a, p.angular_velocity(c.a), c.point) - velocity_at(p, c.b, p.angular_velocity(c.b), c.point);
-  return {time, c.a, c.b, -relative.dot(c.normal),
-          std::sqrt(fastest_stopped_squared(parameters, law, p, c, law.spring(parameters, p, c, c.overlap).energy))};
+  const double left = energy_to_crossing(parameters, law, p, c, law.energy(parameters, p, c, c.overlap));
+  return {time, c.a, c.b, -relative.dot(c.normal), std::sqrt(2 * left / (c.share * c.mass))};
 }
 
-void contact_forces(const Particles& p, std::span<const Vector3d> spin, const ContactParameters& parameters,
-                    double step_s, std::span<Contact> contacts, std::span<HeldSpring> springs) {
-  const ContactLaw& law = law_of(parameters);
+void contact_forces(const Particles& p, std::span<const Vector3d> spin, const ContactLaw& law,
+                    const ContactParameters& parameters, double step_s, std::span<Contact> contacts,
+                    std::span<HeldSpring> springs) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     Contact& c = contacts[i];
     HeldSpring& tangential = springs[i];
@@ -101,8 +99,8 @@ void contact_forces(const Particles& p, std::span<const Vector3d> spin, const Co
     c.released = held - c.held;
     c.spring_energy = s.energy;
     c.stiffness = k;
-    c.fast = separation_speed < 0 &&
-             separation_speed * separation_speed > fastest_stopped_squared(parameters, law, p, c, s.energy);
+    c.fast = separation_speed < 0 && c.share * c.mass / 2 * separation_speed * separation_speed >
+                                         energy_to_crossing(parameters, law, p, c, s.energy);
     c.force = k * (c.push - pressed * c.normal) + f_n * c.normal + f_t;
   }
 }

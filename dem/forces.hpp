@@ -1,5 +1,6 @@
 #pragma once
 #include "dem/contact.hpp"
+#include "dem/contact_law.hpp"
 #include "dem/loads.hpp"
 #include "dem/particles.hpp"
 #include <span>
@@ -10,11 +11,12 @@ namespace trigrain {
 /// (feature_a, feature_b).
 void carry_springs(std::span<const HeldSpring> last, std::span<const Contact> contacts, std::span<HeldSpring> springs);
 
-/// Normal force max(0, spring + dashpot) of the contact law, never attractive; tangential spring and dashpot, capped at
-/// mu times the normal force. Sets what follows the touch in `contacts`, and moves their `springs` on by step_s (s).
+/// Normal force max(0, spring + dashpot) of the contacts' law, never attractive; tangential spring and dashpot, capped
+/// at mu times the normal force. Sets what follows the touch in `contacts`, and moves their `springs` on by step_s (s).
 /// `spin`: angular velocity of each body (rad/s).
-void contact_forces(const Particles& particles, std::span<const Eigen::Vector3d> spin, const ContactParameters& law,
-                    double step_s, std::span<Contact> contacts, std::span<HeldSpring> springs);
+void contact_forces(const Particles& particles, std::span<const Eigen::Vector3d> spin, const ContactLaw& law,
+                    const ContactParameters& parameters, double step_s, std::span<Contact> contacts,
+                    std::span<HeldSpring> springs);
 
 /// What the contacts of one body pair do to A.
 Reaction reaction_of(const Particles& particles, std::span<const Contact> contacts);

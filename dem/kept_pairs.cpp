@@ -7,7 +7,7 @@ namespace trigrain {
 RelativePose relative_pose(const Particles& p, BodyPair pair) {
   const auto [a, b] = pair;
   RelativePose pose{p.orientation[a].conjugate() * p.orientation[b], p.to_body(a, p.position[b]), {}};
-  pose.smaller = p.radius[b] <= p.radius[a] ? pose.centre : p.to_body(b, p.position[a]);
+  pose.smaller = p.smaller(a, b) == b ? pose.centre : p.to_body(b, p.position[a]);
   return pose;
 }
 
@@ -31,7 +31,7 @@ void KeptPair::keep_triangles(const Hits& hits, std::span<const int> number_b) {
 }
 
 KeptPair& KeptPairs::of(BodyPair pair, const Particles& particles) {
-  Owner& owner = owners_[particles.radius[pair.b] <= particles.radius[pair.a] ? pair.b : pair.a];
+  Owner& owner = owners_[particles.smaller(pair.a, pair.b)];
   while (owner.busy.test_and_set(std::memory_order_acquire)) {
   }
   Block *found = nullptr, *unused = nullptr;
@@ -65,9 +65,8 @@ std::unique_ptr<KeptPairs> kept_pairs_for(const std::string& triangle_search, co
   if (!every_step && triangle_search != "when-needed")
     throw InputError("unknown triangle_search '" + triangle_search + "'. Known: when-needed, every-step.");
   int meshes = 0, moving = 0;
-  for (int i = 0; i < particles.size(); ++i)
-    if (!particles.is_sphere(i)) ++meshes, moving += !particles.fixed(i);
-  if (every_step || meshes < 2 || moving == 0 || !kernel.exact || kernel.name == "hybrid-batch") return nullptr;
+  for (int i = 0; i < particles.size(); ++i) meshes += !particles.is_sphere(i), moving += !particles.fixed(i);
+  if (every_step || meshes == 0 || moving == 0 || !kernel.exact || kernel.name == "hybrid-batch") return nullptr;
   return std::make_unique<KeptPairs>(particles.size());
 }
 

@@ -19,12 +19,12 @@ struct RelativePose {
 RelativePose relative_pose(const Particles& particles, BodyPair pair);
 Placement placement_of(const RelativePose& pose);
 
-/// What two meshes have near each other: triangle pairs, or corners, edges and faces. Complete until a point of one
-/// may have moved by more than `room` as seen from the other.
+/// What two bodies have near each other: triangle pairs, or corners, edges and faces; or the triangles near a sphere.
+/// Complete until a point of one may have moved by more than `room` as seen from the other.
 class KeptPair {
  public:
   bool of_features = false;         ///< what is kept: `features`, or else triangles
-  std::vector<int> triangles_b;     ///< those of B that some pair needs
+  std::vector<int> triangles_b;     ///< those of B that some pair needs; those near a sphere
   std::vector<PairIndex> triangles; ///< i in mesh A, j in triangles_b
   FeaturePairs features;
 
@@ -36,6 +36,9 @@ class KeptPair {
     smaller_ = pose.smaller;
     room_ = room_m;
   }
+  void keep(const Eigen::Vector3d& centre, double room_m) {
+    keep({Eigen::Quaterniond::Identity(), centre, centre}, room_m);
+  }
   void forget() { room_ = -1; }
   /// Whether it is still complete; `radius` (m) of the smaller body. A point of a body that turns by an angle has moved
   /// by 2 sin(angle / 2) of its distance at most, which is less than twice the distance of the quaternions.
@@ -43,6 +46,10 @@ class KeptPair {
     if (!(room_ > 0)) return false;
     const double turned = 2 * radius * (pose.turn.coeffs() - turn_.coeffs()).norm();
     return turned + (pose.smaller - smaller_).norm() < room_;
+  }
+  /// The same of a sphere, wherever it turns: its centre in the frame of the mesh (m).
+  bool is_complete(const Eigen::Vector3d& centre) const {
+    return room_ > 0 && (centre - smaller_).squaredNorm() < room_ * room_;
   }
 
  private:
@@ -83,8 +90,8 @@ class KeptPairs {
   std::vector<Owner> owners_;
 };
 
-/// For a simulation; null where nothing can be kept: no two meshes meet, or the kernel is not exact, or its answers
-/// depend on the list. InputError for a triangle_search that is not one of Options.
+/// For a simulation; null where nothing can be kept: no mesh meets another body, or the kernel is not exact, or its
+/// answers depend on the list. InputError for a triangle_search that is not one of Options.
 std::unique_ptr<KeptPairs> kept_pairs_for(const std::string& triangle_search, const Kernel& kernel,
                                           const Particles& particles);
 

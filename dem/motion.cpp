@@ -4,15 +4,16 @@
 namespace trigrain {
 namespace {
 
-/// sin and cos of x. A step turns a body by small angles: there the series is exact to round-off and far cheaper.
-void sin_cos(double x, double& s, double& c) {
-  if (std::abs(x) < .03) { // next terms x^9 / 9! and x^8 / 8!: 5e-20 and 2e-17
-    const double x2 = x * x;
-    s = x * (1 - x2 / 6 * (1 - x2 / 20 * (1 - x2 / 42)));
-    c = 1 - x2 / 2 * (1 - x2 / 12 * (1 - x2 / 30));
+/// sin(x) / x and cos(x) from x2 = x^2. A step turns a body by small angles: there the series is exact to round-off and
+/// far cheaper.
+void sin_cos(double x2, double& sin_by_x, double& cos) {
+  if (x2 < .03 * .03) { // next terms x^8 / 9! and x^8 / 8!: 2e-18 and 2e-17
+    sin_by_x = 1 - x2 * (1 / 6. - x2 * (1 / 120. - x2 * (1 / 5040.)));
+    cos = 1 - x2 * (1 / 2. - x2 * (1 / 24. - x2 * (1 / 720.)));
   } else {
-    s = std::sin(x);
-    c = std::cos(x);
+    const double x = std::sqrt(x2);
+    sin_by_x = std::sin(x) / x;
+    cos = std::cos(x);
   }
 }
 
@@ -20,7 +21,8 @@ void sin_cos(double x, double& s, double& c) {
 void turn(int axis, double t, const Eigen::Vector3d& inertia, Eigen::Quaterniond& q, Eigen::Vector3d& body_momentum) {
   const double half_angle = t * body_momentum[axis] / inertia[axis] / 2;
   double s, c;
-  sin_cos(half_angle, s, c);
+  sin_cos(half_angle * half_angle, s, c);
+  s *= half_angle;
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   const Eigen::Vector4d old = q.coeffs();     // x, y, z, w
   q.coeffs()[3] = c * old[3] - s * old[axis]; // q times (c, s about the axis)
@@ -48,13 +50,13 @@ void turn_free_top(Eigen::Quaterniond& q, const Eigen::Vector3d& momentum, const
 /// A sphere turns about its momentum, exactly.
 void turn_sphere(Eigen::Quaterniond& q, const Eigen::Vector3d& momentum, double inertia, double t) {
   const Eigen::Vector3d half = t / (2 * inertia) * momentum;
-  const double angle = half.norm();
   double s, c;
-  sin_cos(angle, s, c);
+  sin_cos(half.squaredNorm(), s, c);
   Eigen::Quaterniond by;
   by.w() = c;
-  by.vec() = (angle > 0 ? s / angle : 1) * half;
-  q = (by * q).normalized();
+  by.vec() = s * half;
+  q = by * q;
+  q.coeffs() *= 1.5 - q.squaredNorm() / 2; // a unit again: Newton's step for the root, right to (rounding)^2
 }
 
 /// Body i without any torque for time t.

@@ -62,33 +62,87 @@ void collide_spheres(const Particles& p, BodyPair pair, WorkerBuffer& buffer) {
                              .push = overlap * normal});
 }
 
-/// Every triangle closer to the sphere than reach, in the frame of the mesh.
+MeshView view_of(const Particles& p, int body) { return {p.mesh[body]->triangles.view(), &p.mesh[body]->octree}; }
+
+/// How far a search looks beyond the halos, for what may come near in the steps that follow (m).
+double margin_of(const NarrowPhase& narrow, double reach) { return narrow.kept_pairs ? KeptPairs::margin * reach : 0; }
+
+/// What rounding may do to lengths (m) between two bodies.
+double rounding_of(const Particles& p, BodyPair pair, const Vector3d& centre) {
+  return 1e-12 * (p.radius[pair.a] + p.radius[pair.b] + centre.norm());
+}
+
+/// The triangles near a sphere whose centre (m) is given in the frame of the mesh: those kept, or else those that a
+/// search finds.
+std::span<const int> near_sphere(const Particles& particles, BodyPair pair, int sphere, int body,
+                                 const Vector3d& centre, const NarrowPhase& narrow, WorkerBuffer& buffer) {
+  KeptPair& near = narrow.kept_pairs ? narrow.kept_pairs->of(pair, particles) : buffer.kept_pair;
+  if (!narrow.kept_pairs || !near.is_complete(centre)) {
+    ++buffer.searched_pairs;
+    const MeshView mesh = view_of(particles, body);
+    const double margin = margin_of(narrow, buffer.reach), far = particles.radius[sphere] + buffer.reach + margin;
+    narrow.precheck->triangles(mesh, vec3(centre), far, near.triangles_b);
+    if (narrow.kept_pairs) // pre-checks let some pass, which would be looked at in many steps
+      std::erase_if(near.triangles_b,
+                    [&](int i) { return closest_point(vec3(centre), mesh.triangles[i]).distance2 > far * far; });
+    near.keep(centre, margin - rounding_of(particles, pair, centre));
+  }
+  return near.triangles_b;
+}
+
+/// Of each piece of a mesh the point nearest to a sphere that does not cross it.
+void note_nearest(const Mesh& mesh, WorkerBuffer::NearPoint point, std::vector<WorkerBuffer::NearPoint>& nearest) {
+  for (WorkerBuffer::NearPoint& other : nearest) {
+    if (mesh.part[other.triangle] != mesh.part[point.triangle]) continue;
+    if (point.at.distance2 < other.at.distance2) other = point;
+    return;
+  }
+  nearest.push_back(point);
+}
+
+/// Every triangle closer to the sphere than reach, or of each piece the closest, found in the frame of the mesh.
 void collide_sphere_mesh(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer) {
   const bool sphere_is_a = particles.is_sphere(pair.a);
   const int sphere = sphere_is_a ? pair.a : pair.b, body = sphere_is_a ? pair.b : pair.a;
   const Mesh& mesh = *particles.mesh[body];
   const TrianglesView triangles = mesh.triangles.view();
   const double r = particles.radius[sphere], place = particles.contact_place(body, sphere);
-  const Vec3<double> centre = vec3(particles.to_body(body, particles.position[sphere]));
+  const Vector3d centre = particles.to_body(body, particles.position[sphere]);
   const std::size_t first = buffer.contacts.size();
-  narrow.precheck->triangles({triangles, &mesh.octree}, centre, r + buffer.reach, buffer.near);
-  for (int i : buffer.near) {
-    ++buffer.kernel.triangle_pairs;
-    const PointOnTriangle nearest = closest_point(centre, triangles[i]);
-    const Vector3d to_centre = particles.orientation[body] * eigen(centre - nearest.point);
-    const double distance = to_centre.norm(), gap = std::max(0., distance - r);
-    const Vector3d gap_vector = distance > 0 ? (gap / distance * to_centre).eval() : Vector3d::Zero(); // to the sphere
-    const Vector3d point = particles.position[sphere] - to_centre + place * gap_vector;
+  const auto add = [&](const WorkerBuffer::NearPoint& near, int feature) {
+    const Vector3d to_centre = particles.orientation[body] * (centre - eigen(near.at.point));
+    const double distance = to_centre.norm(), gap = distance - r;
+    if (gap >= buffer.reach) return;
+    if (gap <= 0) {
+      ++buffer.crossings;
+      return;
+    }
+    const Vector3d normal = 1 / distance * to_centre; // towards the sphere
+    const Vector3d point = particles.position[sphere] - to_centre + place * gap * normal;
+    const double overlap = buffer.reach - gap;
     if (sphere_is_a)
-      add_contact(pair, 0, i, point, gap_vector, buffer);
+      buffer.contacts.push_back({pair.a, pair.b, 0, feature, point, normal, overlap});
     else
-      add_contact(pair, i, 0, point, -gap_vector, buffer);
+      buffer.contacts.push_back({pair.a, pair.b, feature, 0, point, -normal, overlap});
+  };
+  buffer.nearest.clear();
+  for (const int i : near_sphere(particles, pair, sphere, body, centre, narrow, buffer)) {
+    ++buffer.kernel.triangle_pairs;
+    const WorkerBuffer::NearPoint near{i, closest_point(vec3(centre), triangles[i])};
+    if (!narrow.rule->one_per_piece)
+      add(near, i);
+    else if (near.at.distance2 > r * r)
+      note_nearest(mesh, near, buffer.nearest);
+    else
+      ++buffer.crossings;
   }
-  reduce(particles, first, narrow, buffer);
+  for (const WorkerBuffer::NearPoint& near : buffer.nearest) add(near, mesh.part[near.triangle]);
+  if (!narrow.rule->one_per_piece)
+    reduce(particles, first, narrow, buffer);
+  else if (buffer.contacts.size() > first)
+    settle_pieces(particles, std::span(buffer.contacts).subspan(first));
   book(pair, first, buffer);
 }
-
-MeshView view_of(const Particles& p, int body) { return {p.mesh[body]->triangles.view(), &p.mesh[body]->octree}; }
 
 /// The kernel on triangle pairs of two bodies, `b` in the frame of A; appended to `hits`.
 void solve(const Particles& particles, BodyPair pair, TrianglesView b, std::span<const PairIndex> triangles,
@@ -171,7 +225,7 @@ SplitPair* search(const Particles& particles, BodyPair pair, const RelativePose&
   ++buffer.searched_pairs;
   near.forget();
   const Placement b_in_a = placement_of(pose);
-  const double margin = narrow.kept_pairs ? KeptPairs::margin * buffer.reach : 0, reach = buffer.reach + margin;
+  const double margin = margin_of(narrow, buffer.reach), reach = buffer.reach + margin;
   Candidates& candidates = buffer.candidates;
   narrow.precheck->pairs(view_of(particles, pair.a), view_of(particles, pair.b), b_in_a, reach, candidates);
   if (split && static_cast<int>(candidates.pairs.size()) > part_size) return split_up(pair, b_in_a, buffer, *split);
@@ -189,8 +243,7 @@ SplitPair* search(const Particles& particles, BodyPair pair, const RelativePose&
     reduce(particles, first, narrow, buffer);
   }
   book(pair, first, buffer);
-  const double rounding = 1e-12 * (particles.radius[pair.a] + particles.radius[pair.b] + pose.centre.norm());
-  near.keep(pose, room - rounding);
+  near.keep(pose, room - rounding_of(particles, pair, pose.centre));
   return nullptr;
 }
 

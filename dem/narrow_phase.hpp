@@ -3,6 +3,7 @@
 #include "dem/kept_pairs.hpp"
 #include "dem/pair_source.hpp"
 #include "kernels/precheck.hpp"
+#include "kernels/sphere.hpp"
 #include <atomic>
 #include <deque>
 #include <span>
@@ -57,7 +58,11 @@ struct alignas(128) WorkerBuffer {
   double reach = 0; ///< of the pair at hand: sum of its halos (m)
   std::vector<BodyPair> pairs;
   Candidates candidates;
-  std::vector<int> near; ///< triangles near a sphere
+  struct NearPoint { ///< of a sphere to a mesh
+    int triangle;
+    PointOnTriangle at;
+  };
+  std::vector<NearPoint> nearest; ///< of each piece of the mesh
   Hits hits;
   NearFaces near_faces_a, near_faces_b;
   KeptPair kept_pair; ///< of a pair that is not kept

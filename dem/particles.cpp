@@ -14,11 +14,11 @@ void require(bool fine, int body, const char* problem) {
 
 } // namespace
 
-Eigen::Vector3d Particles::angular_velocity(int i) const {
+Eigen::Vector3d Particles::angular_velocity(int i, const Eigen::Vector3d& momentum) const {
   if (fixed(i)) return Eigen::Vector3d::Zero();
-  if (is_sphere(i)) return angular_momentum[i] / inertia[i].x();
+  if (is_sphere(i)) return 1 / inertia[i].x() * momentum;
   const Eigen::Quaterniond& q = orientation[i];
-  return q * ((q.conjugate() * angular_momentum[i]).cwiseQuotient(inertia[i]));
+  return q * ((q.conjugate() * momentum).cwiseQuotient(inertia[i]));
 }
 
 void Particles::reserve(int bodies) {

@@ -31,9 +31,13 @@ struct Particles {
   Eigen::Vector3d to_body(int i, const Eigen::Vector3d& x) const {
     return orientation[i].conjugate() * (x - position[i]);
   }
+  /// The smaller one of two bodies: it has few others around it.
+  int smaller(int a, int b) const { return radius[b] <= radius[a] ? b : a; }
   bool is_sphere(int i) const { return mesh[i] == nullptr; }
   /// World frame (rad/s); 0 for fixed bodies.
-  Eigen::Vector3d angular_velocity(int i) const;
+  Eigen::Vector3d angular_velocity(int i) const { return angular_velocity(i, angular_momentum[i]); }
+  /// The same, had it that angular momentum (kg m2/s).
+  Eigen::Vector3d angular_velocity(int i, const Eigen::Vector3d& momentum) const;
   void reserve(int bodies);
   /// Adds a body. InputError for an open mesh that is not fixed and for values that are not finite or not positive.
   void add(const Body& body);

@@ -58,6 +58,7 @@ struct Simulation::State {
   Options options;
   const Scheme& scheme;
   const StepControl& control;
+  const ContactLaw& law;
   Particles particles;
   std::unique_ptr<KeptPairs> kept_pairs;
   NarrowPhase narrow;
@@ -82,7 +83,8 @@ struct Simulation::State {
   /// Without a source it makes the one that the options ask for.
   State(Scene s, Options o, std::unique_ptr<PairSource> from)
       : scene(std::move(s)), options(std::move(o)), scheme(row_named(schemes(), "scheme", options.scheme)),
-        control(row_named(step_controls(), "time.control", scene.time.control)), particles(particles_of(scene)),
+        control(row_named(step_controls(), "time.control", scene.time.control)), law(law_of(scene.contact)),
+        particles(particles_of(scene)),
         kept_pairs(kept_pairs_for(options.triangle_search, kernel_named(options.kernel), particles)),
         narrow{&kernel_named(options.kernel), &row_named(prechecks(), "pre-check", options.precheck),
                &row_named(contact_rules(), "contact rule", options.contact_rule), kept_pairs.get()},
@@ -169,7 +171,7 @@ void Simulation::State::forces(StepStats& stats) {
       const std::span<Contact> own = contacts.lay_out(pair, buffers);
       const std::span<HeldSpring> springs = contacts.springs_of(pair);
       carry_springs(contacts.last_of_pair(pair), own, springs);
-      contact_forces(particles, spin, scene.contact, step.now, own, springs);
+      contact_forces(particles, spin, law, scene.contact, step.now, own, springs);
       contacts.set_reaction(pair, reaction_of(particles, own));
     }
   });
@@ -201,7 +203,7 @@ void Simulation::State::forces(StepStats& stats) {
 void Simulation::State::add_loads_of(int body, Loads& old) {
   old.force[body] = old.torque[body] = Eigen::Vector3d::Zero();
   if (!particles.fixed(body))
-    contacts.for_reactions(body, [&](const Reaction& r, bool is_a) { add_reaction(particles, r, is_a, loads); });
+    contacts.for_reactions(body, [&](const Reaction& r) { add_reaction(particles, r, r.a == body, loads); });
 }
 
 /// Books what the kick to come dissipates, and its impulse.

@@ -24,7 +24,7 @@ struct Options {
   int threads = 1;
   int subdivision = 3; ///< k: a grid cell splits into k^3
   double skin = 0;     ///< diameters of the smallest body it may move before the grid is asked again
-  std::string triangle_search = "when-needed"; ///< of two meshes; "every-step": nothing is kept from the step before
+  std::string triangle_search = "when-needed"; ///< of meshes; "every-step": nothing is kept from the step before
   const PhaseObserver* observer = nullptr;     ///< told of every piece of work; outlives the simulation
 };
 
@@ -57,7 +57,7 @@ class Simulation {
   const Options& options() const;
   const Particles& particles() const;
   const PairSource& pair_source() const;
-  const std::vector<Contact>& contacts() const;  ///< of the last step, sorted
+  const std::vector<Contact>& contacts() const;  ///< of the last step, in the order of ContactList
   double time() const;                           ///< s
   double step_size() const;                      ///< of the last step (s)
   Energy energy() const;                         ///< at the middle of the last step (see centred())

@@ -15,7 +15,7 @@ struct StepStats {
   std::int64_t steps = 0;
   std::int64_t candidate_pairs = 0; ///< body pairs from the grid
   std::int64_t body_pairs = 0;      ///< body pairs that passed the body pre-check
-  std::int64_t searched_pairs = 0;  ///< of these, pairs of meshes whose triangles were searched for what is near
+  std::int64_t searched_pairs = 0;  ///< of these, pairs whose triangles were searched for what is near
   std::int64_t triangle_pairs = 0;  ///< triangle pairs the kernel looked at
   std::int64_t newton_steps = 0;
   std::int64_t fall_backs = 0;       ///< triangle pairs a hybrid kernel redid by brute force

@@ -68,7 +68,7 @@ void add_engine_options(CLI::App& app, BenchRequest& r) {
       ->check(not_negative);
   engine(
       app.add_option("--triangle-search", r.options.triangle_search,
-                     "of two meshes: every-step, or when-needed, which keeps what is near for the steps that follow"));
+                     "of meshes: every-step, or when-needed, which keeps what is near for the steps that follow"));
   engine(app.add_option("--step-control", r.step_control, "how the time step follows contacts; default: the scene's"));
 }
 

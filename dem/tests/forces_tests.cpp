@@ -121,7 +121,7 @@ TEST(Forces, TheDashpotNeverPulls) {
   std::vector<Contact> contacts{{0, 1, 0, 0, {0, .50025, 0}, {0, -1, 0}, 5e-4}};
   press(p, contacts);
   std::vector<HeldSpring> springs(1);
-  contact_forces(p, spins_of(p), {}, 1e-5, contacts, springs);
+  contact_forces(p, spins_of(p), contact_laws().front(), {}, 1e-5, contacts, springs);
   EXPECT_EQ(contacts[0].force, Vector3d::Zero());
 }
 
@@ -139,7 +139,7 @@ TEST(Forces, BothBodiesGetOppositeForceAndTheirTorquesAndItAddsUpToNothing) {
   std::vector<Contact> contacts{{0, 1, 0, 0, {.2, .45, .1}, n, .2}};
   press(p, contacts);
   std::vector<HeldSpring> springs{{0, 0, {1e-5, 0, 2e-5}, 1e4}};
-  contact_forces(p, spins_of(p), {}, 1e-5, contacts, springs);
+  contact_forces(p, spins_of(p), contact_laws().front(), {}, 1e-5, contacts, springs);
   Loads loads{{Vector3d::Zero(), Vector3d::Zero()}, {Vector3d::Zero(), Vector3d::Zero()}};
   for (const bool to_a : {true, false}) add_reaction(p, reaction_of(p, contacts), to_a, loads);
   EXPECT_GT(contacts[0].force.norm(), 0);
@@ -165,7 +165,7 @@ TEST(Forces, FrictionIsCappedByCoulombsLaw) {
   std::vector<Contact> contacts{{0, 1, 0, 0, {0, .5, 0}, {0, -1, 0}, 1e-3}};
   press(p, contacts);
   std::vector<HeldSpring> springs(1);
-  contact_forces(p, spins_of(p), law, 1e-3, contacts, springs);
+  contact_forces(p, spins_of(p), law_of(law), law, 1e-3, contacts, springs);
   const double normal = contacts[0].force.dot(contacts[0].normal);
   const double tangential = (contacts[0].force - normal * contacts[0].normal).norm();
   EXPECT_NEAR(tangential, .4 * normal, 1e-12);

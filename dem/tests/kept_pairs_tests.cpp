@@ -45,6 +45,28 @@ TEST(KeptPairs, ChangeNoBitOfAnyStep) {
   }
 }
 
+TEST(KeptPairs, OfSpheresChangeNoBitOfAnyStep) {
+  Scene scene = make_scene("hopper-dense", {.particles = 60, .vertices = 12, .halo = "published"});
+  for (std::size_t i = 0; i < scene.bodies.size(); i += 2) {
+    Body& body = scene.bodies[i];
+    if (body.fixed) continue;
+    body.sphere_radius = body.mesh->radius;
+    body.mesh = nullptr;
+  }
+  for (const char* rule : {"features", "nearest", "dedupe", "all-pairs"}) {
+    Twins twins(scene, rule);
+    std::int64_t of_spheres = 0;
+    for (int step = 0; step < 3000; ++step) {
+      ASSERT_TRUE(twins.step()) << rule << ", step " << step;
+      const Particles& p = twins.keeping.particles();
+      for (const Contact& c : twins.keeping.contacts()) of_spheres += p.is_sphere(c.a) != p.is_sphere(c.b);
+    }
+    same_contacts(twins.searching, twins.keeping);
+    EXPECT_GT(of_spheres, 2000) << "the test needs contacts of spheres with meshes";
+    EXPECT_LT(twins.kept.searched_pairs, .8 * twins.found.searched_pairs) << rule;
+  }
+}
+
 /// Body 1, ten times smaller than the plate that is body 0, flies at it with a spin that sweeps its corners along.
 Scene shot(double speed, double spin) {
   Scene scene;

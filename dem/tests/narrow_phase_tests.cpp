@@ -64,6 +64,35 @@ TEST(Contact, ASphereAboveACubeTouchesItsFaceWhicheverComesFirst) {
   }
 }
 
+TEST(Contact, ASphereTouchesEachPieceOfAMeshOnceAndCrossesSome) {
+  const Mesh below = box({1, 1, 1});
+  std::vector<Vector3d> corners;
+  std::vector<std::array<int, 3>> faces;
+  for (const double y : {-.5, 1.53}) { // tops and bottoms are .02 and .01 away from a ball of .5
+    const int first = static_cast<int>(corners.size());
+    for (const Vector3d& x : below.vertices) corners.push_back(x + Vector3d(0, y, 0));
+    for (const auto& f : below.faces) faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+  }
+  Particles p;
+  p.add({.mesh = std::make_shared<Mesh>(make_mesh("two boxes", corners, faces)), .halo = .05, .fixed = true});
+  p.add(ball(.5, {0, .52, 0}, .05)); // over the diagonals of both faces
+  for (const char* rule : {"nearest", "features"}) {
+    const auto found = contacts_of(p, "brute", "box", rule).contacts;
+    ASSERT_EQ(found.size(), 2u) << rule;
+    for (int piece = 0; piece < 2; ++piece) {
+      EXPECT_EQ(std::pair(found[piece].feature_a, found[piece].feature_b), std::pair(piece, 0));
+      EXPECT_NEAR(found[piece].overlap, piece == 0 ? .08 : .09, 1e-14);
+      EXPECT_TRUE(found[piece].normal.isApprox(Vector3d(0, piece == 0 ? -1 : 1, 0), 1e-12));
+      EXPECT_TRUE(found[piece].push.isApprox(found[piece].overlap * found[piece].normal, 1e-12));
+    }
+  }
+  p.position[1].y() = .54; // .01 deep in the upper one
+  const WorkerBuffer crossed = contacts_of(p, "brute", "box", "nearest");
+  EXPECT_EQ(crossed.crossings, 2) << "of two triangles";
+  ASSERT_EQ(crossed.contacts.size(), 1u);
+  EXPECT_EQ(crossed.contacts[0].feature_a, 0);
+}
+
 TEST(Contact, CrossingBodiesAreCountedAndGiveNoForce) {
   Particles p;
   p.add(cube({0, 0, 0}, .01));

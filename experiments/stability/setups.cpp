@@ -86,7 +86,7 @@ void Probe::evaluate() {
   for (const Touch& touch : buffer_.contacts) contacts.push_back(Contact{touch});
   const std::array spins{particles_.angular_velocity(0), particles_.angular_velocity(1)};
   std::vector<HeldSpring> springs(contacts.size());
-  contact_forces(particles_, spins, law_, 0, contacts, springs);
+  contact_forces(particles_, spins, law_of(law_), law_, 0, contacts, springs);
   Loads loads{{Vector3d::Zero(), Vector3d::Zero()}, {Vector3d::Zero(), Vector3d::Zero()}};
   if (!contacts.empty()) add_reaction(particles_, reaction_of(particles_, contacts), false, loads);
   force = loads.force[1];
