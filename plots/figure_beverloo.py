@@ -55,7 +55,7 @@ def draw(results: Path, out: Path) -> Drawn:
             rows += [row(kind, stiffness[0], opening, runs) for opening, runs in found.items()]
             notes += [emptying(sinking, runs, rates.get(opening), f"{name}, D = {opening:g} d", style)
                       for opening, runs in ensembles(sweep, kind, stiffness[0], "emptying").items() if opening in rates]
-        flow.set(xlim=(0, None), ylim=(0, None))
+        flow.set(xlim=(0, None), ylim=(0, 1.2 * flow.get_ylim()[1]))  # with room for the legend
         legend(flow, fontsize=9, loc="upper left")
         legend(sinking, fontsize=9)
         sinking.invert_xaxis()
