@@ -22,7 +22,7 @@ class CountUp {
 };
 
 std::pair<int, int> owner_first(const Particles& particles, const FoundPair& pair) {
-  return particles.smaller(pair.a, pair.b) == pair.b ? std::pair(pair.b, pair.a) : std::pair(pair.a, pair.b);
+  return particles.fixed(pair.a) ? std::pair(pair.b, pair.a) : std::pair(pair.a, pair.b);
 }
 
 /// Resizes to `count` with a sixteenth of room to grow, where vectors left alone take twice of what they need.

@@ -8,9 +8,9 @@
 
 namespace trigrain {
 
-/// The contacts of one step in an order that does not depend on who found them. A pair belongs to its smaller body, as
-/// walls have too many pairs to sort. Contacts are sorted by (owner, other body, feature_a, feature_b). Every body finds
-/// its own, so that its forces are summed by one thread, in that order.
+/// The contacts of one step in an order that does not depend on who found them. A pair belongs to its first body, or to
+/// the second one if the first is fixed: walls have too many pairs to sort. Contacts are sorted by (owner, other body,
+/// feature_a, feature_b). Every body finds its own, so that its forces are summed by one thread, in that order.
 class ContactList {
   /// A body pair's contacts: where a worker left them, and their place in the list.
   struct Pair {

@@ -19,13 +19,12 @@ void set_masses_of_bodies(const Particles& p, std::span<Touch> contacts) {
   for (Touch& c : contacts) c.mass = 1 / (p.inverse_mass[c.a] + p.inverse_mass[c.b]);
 }
 
-/// Inverse of the mass (1/kg) with which body i resists the springs of contacts, and their sum `force` (m).
-double inverse_mass(const Particles& p, int i, std::span<const Touch> contacts, const Vector3d& force) {
+/// Inverse of the mass that resists the springs of contacts: their sum and its torque about the centre of body i
+/// (1/kg).
+double inverse_mass(const Particles& p, int i, const Vector3d& force, const Vector3d& torque) {
   if (p.fixed(i)) return 0;
   const double pushed = p.inverse_mass[i] * force.squaredNorm();
   if (p.is_sphere(i)) return pushed; // they point at its centre
-  Vector3d torque = Vector3d::Zero();
-  for (const Touch& c : contacts) torque += (c.point - p.position[i]).cross(c.share * c.overlap * c.normal);
   const Vector3d t = p.orientation[i].conjugate() * torque;
   return pushed + t.cwiseQuotient(p.inertia[i]).dot(t);
 }
@@ -36,14 +35,17 @@ double inverse_mass(const Particles& p, int i, std::span<const Touch> contacts, 
 /// dashpots for the effective mass along s give every contact the damping ratio that was asked for: one corner far from
 /// the centre of mass, an edge, or a face on all its corners.
 void set_collective_mass(const Particles& p, std::span<Touch> contacts) {
-  Vector3d force = Vector3d::Zero();
+  const int a = contacts.front().a, b = contacts.front().b;
+  Vector3d force = Vector3d::Zero(), torque_a = force, torque_b = force;
   double s2 = 0;
   for (const Touch& c : contacts) {
+    const Vector3d f = c.share * c.overlap * c.normal;
     s2 += c.share * c.overlap * c.overlap;
-    force += c.share * c.overlap * c.normal;
+    force += f;
+    torque_a += (c.point - p.position[a]).cross(f);
+    torque_b += (c.point - p.position[b]).cross(f);
   }
-  const Touch& any = contacts.front();
-  const double mass = s2 / (inverse_mass(p, any.a, contacts, force) + inverse_mass(p, any.b, contacts, force));
+  const double mass = s2 / (inverse_mass(p, a, force, torque_a) + inverse_mass(p, b, force, torque_b));
   for (Touch& c : contacts) c.mass = mass;
 }
 
