@@ -23,24 +23,20 @@ double elastic_radius(const Particles& p, int i) {
   return (p.is_sphere(i) ? p.radius[i] : p.mesh[i]->curvature_radius) + p.halo[i];
 }
 
-HertzPair hertz_pair_of(const ContactParameters& law, const Particles& p, const Contact& c) {
-  return hertz_pair(law, elastic_radius(p, c.a), elastic_radius(p, c.b), p.fixed(c.a) || p.fixed(c.b));
-}
-
-double hertz_energy(const ContactParameters& law, const Particles& p, const Contact& c, double overlap) {
-  return .4 * hertz_pair_of(law, p, c).k * std::sqrt(overlap) * overlap * overlap;
-}
-
 /// Hertz (1882); tangential stiffness of Mindlin (1949) without slip; dashpots of Tsuji, Tanaka & Ishida (1992), whose
 /// restitution does not depend on speed. Fixed bodies are rigid.
 Spring hertz_mindlin(const ContactParameters& law, const Particles& p, const Contact& c, double overlap) {
-  const HertzPair pair = hertz_pair_of(law, p, c);
+  const HertzPair pair = hertz_pair(law, elastic_radius(p, c.a), elastic_radius(p, c.b), p.fixed(c.a) || p.fixed(c.b));
   const double root = std::sqrt(overlap), secant = pair.k * root;
   return {.secant = secant,
           .tangent = 1.5 * secant,
           .tangential = pair.tangential * root,
           .damping = 2 * law.damping_ratio * std::sqrt(1.5 * secant * c.mass),
           .energy = .4 * secant * overlap * overlap};
+}
+
+double hertz_energy(const ContactParameters& law, const Particles& p, const Contact& c, double overlap) {
+  return hertz_mindlin(law, p, c, overlap).energy;
 }
 
 constexpr ContactLaw table[] = {

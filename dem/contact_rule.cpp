@@ -53,12 +53,6 @@ bool by_features(const Touch& l, const Touch& r) {
   return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
 }
 
-void settle_pieces(const Particles& p, std::span<Touch> contacts) {
-  std::sort(contacts.begin(), contacts.end(), by_features);
-  set_springs(contacts);
-  set_collective_mass(p, contacts);
-}
-
 namespace {
 
 void keep_all(const Particles& p, Contacts& contacts, std::size_t first) {
@@ -110,7 +104,9 @@ void keep_nearest(const Particles& p, Contacts& contacts, std::size_t first) {
       *same = contact;
   }
   contacts.resize(end);
-  settle_pieces(p, from(contacts, first));
+  std::sort(contacts.begin() + first, contacts.end(), by_features);
+  set_springs(from(contacts, first));
+  set_collective_mass(p, from(contacts, first));
 }
 
 constexpr ContactRule table[] = {

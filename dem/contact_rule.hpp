@@ -23,10 +23,6 @@ std::span<const ContactRule> contact_rules();
 /// By (feature_a, feature_b).
 bool by_features(const Touch& l, const Touch& r);
 
-/// The contacts of a body pair whose features are connected surface pieces, one for two pieces at most: sorts them and
-/// sets springs and mass.
-void settle_pieces(const Particles& particles, std::span<Touch> contacts);
-
 /// Sets the mass of all contacts of a body pair.
 void set_collective_mass(const Particles& particles, std::span<Touch> contacts);
 

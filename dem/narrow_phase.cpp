@@ -109,7 +109,7 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
   const double r = particles.radius[sphere], place = particles.contact_place(body, sphere);
   const Vector3d centre = particles.to_body(body, particles.position[sphere]);
   const std::size_t first = buffer.contacts.size();
-  const auto add = [&](const WorkerBuffer::NearPoint& near, int feature) {
+  const auto add = [&](const WorkerBuffer::NearPoint& near) {
     const Vector3d to_centre = particles.orientation[body] * (centre - eigen(near.at.point));
     const double distance = to_centre.norm(), gap = distance - r;
     if (gap >= buffer.reach) return;
@@ -121,26 +121,23 @@ void collide_sphere_mesh(const Particles& particles, BodyPair pair, const Narrow
     const Vector3d point = particles.position[sphere] - to_centre + place * gap * normal;
     const double overlap = buffer.reach - gap;
     if (sphere_is_a)
-      buffer.contacts.push_back({pair.a, pair.b, 0, feature, point, normal, overlap});
+      buffer.contacts.push_back({pair.a, pair.b, 0, near.triangle, point, normal, overlap});
     else
-      buffer.contacts.push_back({pair.a, pair.b, feature, 0, point, -normal, overlap});
+      buffer.contacts.push_back({pair.a, pair.b, near.triangle, 0, point, -normal, overlap});
   };
   buffer.nearest.clear();
   for (const int i : near_sphere(particles, pair, sphere, body, centre, narrow, buffer)) {
     ++buffer.kernel.triangle_pairs;
     const WorkerBuffer::NearPoint near{i, closest_point(vec3(centre), triangles[i])};
     if (!narrow.rule->one_per_piece)
-      add(near, i);
+      add(near);
     else if (near.at.distance2 > r * r)
       note_nearest(mesh, near, buffer.nearest);
     else
       ++buffer.crossings;
   }
-  for (const WorkerBuffer::NearPoint& near : buffer.nearest) add(near, mesh.part[near.triangle]);
-  if (!narrow.rule->one_per_piece)
-    reduce(particles, first, narrow, buffer);
-  else if (buffer.contacts.size() > first)
-    settle_pieces(particles, std::span(buffer.contacts).subspan(first));
+  for (const WorkerBuffer::NearPoint& near : buffer.nearest) add(near);
+  reduce(particles, first, narrow, buffer);
   book(pair, first, buffer);
 }
 
