@@ -1,8 +1,8 @@
 #pragma once
+#include "kernels/column.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/vec3.hpp"
 #include <array>
-#include <vector>
 
 namespace trigrain {
 
@@ -32,7 +32,7 @@ class EdgeArray {
   }
 
  private:
-  std::array<std::vector<double>, 6> column_; // m
+  std::array<Column<double>, 6> column_; // m
   int size_ = 0;
 };
 

@@ -1,8 +1,8 @@
 #pragma once
+#include "kernels/column.hpp"
 #include "kernels/vec3.hpp"
 #include <array>
 #include <cstdint>
-#include <vector>
 
 namespace trigrain {
 
@@ -31,13 +31,13 @@ struct Hit {
 class Hits {
  public:
   /// Columns of doubles, in this order.
-  enum Column { px, py, pz, qx, qy, qz, distance, lower, upper, columns };
+  enum Quantity { px, py, pz, qx, qy, qz, distance, lower, upper, columns };
 
   int size() const { return size_; }
   bool empty() const { return size_ == 0; }
   void clear() { size_ = 0; }
   Hit operator[](int k) const {
-    const auto at = [&](Column c) { return real_[c][k]; };
+    const auto at = [&](Quantity c) { return real_[c][k]; };
     return {i_[k],
             j_[k],
             {{at(px), at(py), at(pz)},
@@ -70,7 +70,7 @@ class Hits {
   void reserve(int count) {
     if (size_ + count > static_cast<int>(i_.size())) grow(size_ + count);
   }
-  double* next(Column c) { return real_[c].data() + size_; }
+  double* next(Quantity c) { return real_[c].data() + size_; }
   int* next_i() { return i_.data() + size_; }
   int* next_j() { return j_.data() + size_; }
   int* next_feature() { return feature_.data() + size_; }
@@ -85,8 +85,8 @@ class Hits {
     feature_.resize(room);
   }
 
-  std::array<std::vector<double>, columns> real_;
-  std::vector<int> i_, j_, feature_;
+  std::array<Column<double>, columns> real_;
+  Column<int> i_, j_, feature_;
   int size_ = 0;
 };
 

@@ -1,4 +1,5 @@
 #pragma once
+#include "kernels/column.hpp"
 #include "kernels/kernels.hpp"
 #include "kernels/triangle_pair.hpp"
 #include <algorithm>
@@ -62,7 +63,7 @@ template <class T> class PairPack {
     static constexpr Column zero{};
     int c = 0;
     for (const T* x : {&from.p.x, &from.p.y, &from.p.z, &from.q.x, &from.q.y, &from.q.z}) {
-      store_sum(in_metres(*x), origin_[c % 3].data(), bits, hits.next(static_cast<Hits::Column>(c)));
+      store_sum(in_metres(*x), origin_[c % 3].data(), bits, hits.next(static_cast<Hits::Quantity>(c)));
       ++c;
     }
     store_sum(in_metres(from.distance), zero.data(), bits, hits.next(Hits::distance));
@@ -170,7 +171,7 @@ template <class T> class PairPack {
   }
 
   std::span<const PairIndex> index_;
-  std::array<Column, 3> origin_; ///< a[0] of every lane (m)
+  alignas(cache_line) std::array<Column, 3> origin_; ///< a[0] of every lane (m)
   TrianglePair<T> pair_;
   T unit_, per_unit_; ///< m, 1/m; in float only
 };

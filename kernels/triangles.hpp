@@ -1,8 +1,8 @@
 #pragma once
+#include "kernels/column.hpp"
 #include "kernels/vec3.hpp"
 #include <algorithm>
 #include <array>
-#include <vector>
 
 namespace trigrain {
 
@@ -47,7 +47,7 @@ class Triangles {
   }
 
  private:
-  std::array<std::vector<double>, 9> coordinate_;
+  std::array<Column<double>, 9> coordinate_;
   int size_ = 0;
 };
 

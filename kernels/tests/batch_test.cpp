@@ -147,4 +147,17 @@ TEST(Batches, PartsOfAListGiveWhatTheWholeGives) {
     }
 }
 
+// A pack that lies across two cache lines takes twice as long to load or store.
+TEST(Batches, ColumnsBeginAtCacheLines) {
+  const auto begins_a_line = [](const void* x) { return reinterpret_cast<std::uintptr_t>(x) % cache_line == 0; };
+  for (const int size : {1, 20, 1000}) {
+    const Triangles t = crowd(size, 0);
+    for (const double* column : t.view().coordinate) EXPECT_TRUE(begins_a_line(column));
+    Hits hits;
+    hits.reserve(size);
+    for (int c = 0; c < Hits::columns; ++c) EXPECT_TRUE(begins_a_line(hits.next(static_cast<Hits::Quantity>(c))));
+    EXPECT_TRUE(begins_a_line(hits.next_i()) && begins_a_line(hits.next_j()) && begins_a_line(hits.next_feature()));
+  }
+}
+
 } // namespace trigrain
