@@ -77,7 +77,7 @@ class Hits {
   void added(int count) { size_ += count; }
 
  private:
-  void grow(int least) {
+  [[gnu::noinline, gnu::cold]] void grow(int least) {
     const std::size_t room = 2 * static_cast<std::size_t>(least) + 64;
     for (auto& column : real_) column.resize(room);
     i_.resize(room);
