@@ -6,6 +6,7 @@ namespace trigrain {
 namespace {
 
 constexpr int grain = 1024; // bodies a worker takes at a time
+constexpr std::size_t most_walls = 64;
 constexpr std::uint64_t nowhere = std::numeric_limits<std::uint64_t>::max();
 
 double diameter_of(const Particles& p, int i) { return 2 * (p.radius[i] + p.halo[i]); }
@@ -53,12 +54,13 @@ void Grid::update(const Particles& particles, Team& team) {
     team.parallel_for(rows, few, [&](int begin, int end, int) {
       for (int i = begin; i < end; ++i) find_partners(i / 5, i % 5);
     });
+    find_walls(particles, team);
   }
   sphere_.resize(entries());
   team.parallel_for(entries(), grain, [&](int begin, int end, int) {
     for (int e = begin; e < end; ++e) sphere_.set(e, particles.position[order_[e]], diameter_[order_[e]] / 2);
   });
-  if (!coarse_.empty() && (coarse_moves_ || !changed_.empty())) project(particles);
+  if (!coarse_.empty() && (coarse_moves() || !changed_.empty())) project(particles, team);
 }
 
 /// Has a body been placed, and is it still nearest to its vertex?
@@ -116,14 +118,17 @@ void Grid::settle(int body, const Eigen::Vector3d& x) {
 /// Bodies that have occupied levels below their own.
 void Grid::find_coarse(const Particles& particles) {
   finest_ = *std::max_element(body_level_.begin(), body_level_.end());
-  coarse_.clear();
-  coarse_moves_ = false;
+  last_walls_.swap(walls_);
+  for (std::vector<int>* list : {&coarse_, &walls_, &movers_}) list->clear();
   above_target_ = 0;
   for (int i = 0; i < particles.size(); ++i) {
     above_target_ += above_target(i);
     if (body_level_[i] == finest_) continue;
     coarse_.push_back(i);
-    coarse_moves_ = coarse_moves_ || !particles.fixed(i);
+    if (!particles.fixed(i))
+      movers_.push_back(i);
+    else if (walls_.size() < most_walls)
+      walls_.push_back(i);
   }
 }
 
@@ -142,6 +147,7 @@ void Grid::move_changed() {
 }
 
 void Grid::rebuild_vertices() {
+  last_vertex_.swap(vertex_);
   vertex_.clear();
   entry_vertex_.resize(order_.size());
   level_vertices_.assign(levels() + 1, 0);

@@ -54,12 +54,18 @@ class Grid final : public PairSource {
   struct Vertex {
     std::uint64_t key;
     Range bodies;
-    Range partners[5]; // partners[0] begins behind the vertex's own bodies
-    Range copies;      // into copies_
+    Range partners[5];       // partners[0] begins behind the vertex's own bodies
+    Range copies;            // into copies_
+    std::uint64_t walls = 0; // of walls_, those that its bodies may touch: bit i stands for walls_[i]
+    bool is_new = true;      // walls are not known
+  };
+  struct Copy {
+    int vertex, body;
   };
   using Reach = std::unordered_map<std::uint64_t, bool>;
 
   bool is_at_home(int body, const Particles& particles) const;
+  bool coarse_moves() const { return !movers_.empty(); }
   bool above_target(int body) const { return body_level_[body] < target_[body]; }
   void settle(int body, const Eigen::Vector3d& x);
   void settle_all(const Particles& particles, Team& team);
@@ -68,9 +74,11 @@ class Grid final : public PairSource {
   void move_changed();
   void rebuild_vertices();
   void find_partners(int level, int row);
-  void project(const Particles& particles);
-  void project_to(const Particles& particles, int body, const Eigen::AlignedBox3d& box, int level);
+  void find_walls(const Particles& particles, Team& team);
+  void project(const Particles& particles, Team& team);
+  void project_to(const Particles& particles, int body, const Eigen::AlignedBox3d& box, std::vector<Copy>& into);
   bool reaches(const Particles& particles, int body, int level, const Index3& index);
+  std::pair<Index3, Index3> reach_of(const Eigen::AlignedBox3d& box, int level) const;
   Eigen::AlignedBox3d box_of(const Particles& particles, int body) const;
 
   double skin_; // m
@@ -89,14 +97,15 @@ class Grid final : public PairSource {
   std::vector<Vertex> vertex_;          // sorted by key
   std::vector<int> level_vertices_;     // vertices of level l: [l], ..., [l + 1] - 1
   std::vector<int> copies_;             // virtual copies: bodies, by vertex
-  std::vector<int> coarse_;             // bodies with occupied levels below their own
+  std::vector<int> coarse_;             // bodies with occupied levels below their own:
+  std::vector<int> walls_, movers_;     // up to 64 that are fixed; those that move
   std::unordered_map<int, Eigen::AlignedBox3d> fixed_box_; // of bodies that are fixed
   std::unordered_map<int, Reach> fixed_reach_;             // per coarse body that is fixed: answers so far
-  bool coarse_moves_ = false;
   std::int64_t refinements_ = 0, coarsenings_ = 0, settled_ = 0; // of the last update
-  std::vector<int> changed_, merged_;                            // scratch
+  std::vector<int> changed_, merged_, last_walls_;               // scratch
+  std::vector<Vertex> last_vertex_;
   std::vector<char> has_changed_, leaves_;
-  std::vector<std::pair<int, int>> projected_; // scratch: (vertex, body)
+  std::vector<std::vector<Copy>> projected_; // scratch: of some movers each
 };
 
 } // namespace trigrain

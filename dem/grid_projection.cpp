@@ -2,9 +2,15 @@
 #include "dem/vectors.hpp"
 #include "kernels/sphere.hpp"
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace trigrain {
+namespace {
+
+constexpr int grain = 1024; // vertices a worker takes at a time
+
+} // namespace
 
 /// World box of a body with halo and skin; exact for fixed meshes, of the bounding sphere for bodies that move.
 Eigen::AlignedBox3d Grid::box_of(const Particles& p, int i) const {
@@ -20,53 +26,110 @@ Eigen::AlignedBox3d Grid::box_of(const Particles& p, int i) const {
   return box;
 }
 
+/// A vertex that held bodies in the last step knows its walls, if the same ones stand at the same vertices.
+void Grid::find_walls(const Particles& particles, Team& team) {
+  if (walls_.empty()) return;
+  if (walls_ != last_walls_ || std::any_of(walls_.begin(), walls_.end(), [&](int i) { return has_changed_[i] != 0; }))
+    last_vertex_.clear();
+  team.parallel_for(occupied_vertices(), grain, [&](int begin, int end, int) {
+    const auto before = [](const Vertex& v, std::uint64_t key) { return v.key < key; };
+    auto last = std::lower_bound(last_vertex_.begin(), last_vertex_.end(), vertex_[begin].key, before);
+    for (int v = begin; v < end; ++v) {
+      Vertex& vertex = vertex_[v];
+      while (last != last_vertex_.end() && last->key < vertex.key) ++last;
+      if (last == last_vertex_.end() || last->key != vertex.key) continue;
+      vertex.walls = last->walls;
+      vertex.is_new = false;
+    }
+  });
+  for (int level = 1; level <= finest_; ++level)
+    for (int v = level_vertices_[level]; v < level_vertices_[level + 1]; ++v) {
+      if (!vertex_[v].is_new) continue;
+      const Index3 index = tree_.vertex_of(level, vertex_[v].key);
+      for (std::size_t i = 0; i < walls_.size(); ++i) {
+        const int wall = walls_[i];
+        if (body_level_[wall] >= level) continue;
+        const auto [low, high] = reach_of(fixed_box_.at(wall), level);
+        if ((index >= low).all() && (index <= high).all() && reaches(particles, wall, level, index))
+          vertex_[v].walls |= std::uint64_t{1} << i;
+      }
+    }
+}
+
 /// Virtual copies: every occupied vertex of a finer level that a coarse body may reach.
-void Grid::project(const Particles& particles) {
-  projected_.clear();
-  for (const int body : coarse_) {
-    const Eigen::AlignedBox3d box = particles.fixed(body) ? fixed_box_.at(body) : box_of(particles, body);
-    for (int level = body_level_[body] + 1; level <= finest_; ++level)
-      if (level_vertices_[level] < level_vertices_[level + 1]) project_to(particles, body, box, level);
-  }
-  copies_.resize(projected_.size());
-  for (Vertex& v : vertex_) v.copies = {0, 0};
-  for (const auto& [v, body] : projected_) ++vertex_[v].copies.end;
-  int begin = 0;
+void Grid::project(const Particles& particles, Team& team) {
+  constexpr int movers_at_once = 16;
+  const int movers = static_cast<int>(movers_.size()), blocks = (movers + movers_at_once - 1) / movers_at_once;
+  projected_.resize(std::max<std::size_t>(projected_.size(), blocks + 1)); // last: fixed bodies that are not in walls_
+  for (std::vector<Copy>& block : projected_) block.clear();
+  team.parallel_for(blocks, 1, [&](int begin, int end, int) {
+    for (int i = begin * movers_at_once; i < std::min(movers, end * movers_at_once); ++i)
+      project_to(particles, movers_[i], box_of(particles, movers_[i]), projected_[i / movers_at_once]);
+  });
+  if (coarse_.size() > walls_.size() + movers_.size())
+    for (const int body : coarse_)
+      if (particles.fixed(body) && body > walls_.back())
+        project_to(particles, body, fixed_box_.at(body), projected_.back());
+  for (Vertex& v : vertex_) v.copies = {0, std::popcount(v.walls)};
+  for (const std::vector<Copy>& block : projected_)
+    for (const Copy& copy : block) ++vertex_[copy.vertex].copies.end;
+  int count = 0;
   for (Vertex& v : vertex_) {
-    const int count = v.copies.end;
-    v.copies = {begin, begin};
-    begin += count;
+    v.copies.begin = count;
+    count += v.copies.end;
+    v.copies.end = v.copies.begin;
   }
-  for (const auto& [v, body] : projected_) copies_[vertex_[v].copies.end++] = body;
+  copies_.resize(count);
+  for (const std::vector<Copy>& block : projected_)
+    for (const Copy& copy : block) copies_[vertex_[copy.vertex].copies.end++] = copy.body;
+  team.parallel_for(occupied_vertices(), grain, [&](int begin, int end, int) {
+    for (Vertex& v : std::span(vertex_).subspan(begin, end - begin))
+      for (std::uint64_t bits = v.walls; bits != 0; bits &= bits - 1)
+        copies_[v.copies.end++] = walls_[std::countr_zero(bits)];
+  });
+}
+
+/// The vertices of a level that bodies may live at which touch something in the box.
+std::pair<Index3, Index3> Grid::reach_of(const Eigen::AlignedBox3d& box, int level) const {
+  // Vertices up to h away: rounding to the nearest adds half a cell, and none that it should add is lost.
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant((.5 + 1e-9) * tree_.level(level).cell_size);
+  return {tree_.vertex_near(level, box.min() - margin), tree_.vertex_near(level, box.max() + margin)};
 }
 
 /// A body at vertex V has its centre within h/2 of V along each axis and is no larger than h, so it lies within h of V;
 /// at the domain's border, where bodies outside count too, the box is open outwards.
-void Grid::project_to(const Particles& particles, int body, const Eigen::AlignedBox3d& box, int level) {
-  const Spacetree::Level& l = tree_.level(level);
-  const auto nearest = [&](const Eigen::Vector3d& x) { return tree_.vertex_near(level, x); };
-  // Vertices up to h away: rounding to the nearest adds half a cell, and none that it should add is lost.
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant((.5 + 1e-9) * l.cell_size);
-  const Index3 low = nearest(box.min() - margin), high = nearest(box.max() + margin);
-  const auto first = vertex_.begin() + level_vertices_[level], last = vertex_.begin() + level_vertices_[level + 1];
-  const auto visit = [&](int v, const Index3& index) {
-    if (reaches(particles, body, level, index)) projected_.push_back({v, body});
-  };
-  const Eigen::Array3<std::int64_t> extent = (high - low + 1).cast<std::int64_t>();
-  if (extent.y() * extent.z() * 8 > last - first) { // fewer vertices than searches
-    for (auto v = first; v != last; ++v) {
-      const Index3 index = tree_.vertex_of(level, v->key);
-      if ((index >= low).all() && (index <= high).all()) visit(static_cast<int>(v - vertex_.begin()), index);
+void Grid::project_to(const Particles& particles, int body, const Eigen::AlignedBox3d& box, std::vector<Copy>& into) {
+  for (int level = body_level_[body] + 1; level <= finest_; ++level) {
+    if (level_vertices_[level] == level_vertices_[level + 1]) continue;
+    const auto [low, high] = reach_of(box, level);
+    const auto first = vertex_.begin() + level_vertices_[level], last = vertex_.begin() + level_vertices_[level + 1];
+    const bool stands = particles.fixed(body);
+    const auto visit = [&](const auto v, const Index3& index) {
+      if (!stands || reaches(particles, body, level, index))
+        into.push_back({static_cast<int>(v - vertex_.begin()), body});
+    };
+    const Eigen::Array3<std::int64_t> extent = (high - low + 1).cast<std::int64_t>();
+    if (extent.y() * extent.z() * 8 > last - first) { // fewer vertices than searches
+      for (auto v = first; v != last; ++v) {
+        const Index3 index = tree_.vertex_of(level, v->key);
+        if ((index >= low).all() && (index <= high).all()) visit(v, index);
+      }
+      continue;
     }
-    return;
+    const auto before = [](const Vertex& a, std::uint64_t k) { return a.key < k; };
+    auto v = first;
+    for (int z = low.z(); z <= high.z(); ++z)
+      for (int y = low.y(); y <= high.y(); ++y) {
+        const std::uint64_t row = tree_.key(level, {0, y, z}), begin = row + low.x();
+        auto end = v; // rows lie near each other: it is found in steps that double
+        for (std::ptrdiff_t step = 8; end != last && end->key < begin; step *= 2) {
+          v = end;
+          end += std::min(step, last - end);
+        }
+        v = std::lower_bound(v, end, begin, before);
+        for (; v != last && v->key <= row + high.x(); ++v) visit(v, {int(v->key - row), y, z});
+      }
   }
-  for (int z = low.z(); z <= high.z(); ++z)
-    for (int y = low.y(); y <= high.y(); ++y) {
-      const std::uint64_t row = tree_.key(level, {0, y, z});
-      auto v = std::lower_bound(first, last, row + low.x(), [](const Vertex& a, std::uint64_t k) { return a.key < k; });
-      for (; v != last && v->key <= row + high.x(); ++v)
-        visit(static_cast<int>(v - vertex_.begin()), {int(v->key - row), y, z});
-    }
 }
 
 /// May a body at this vertex touch the coarse body? For fixed meshes by their triangles, remembered: neither moves.

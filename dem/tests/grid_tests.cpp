@@ -1,5 +1,7 @@
 #include "dem/grid.hpp"
 #include "one_thread.hpp"
+#include "kernels/name_table.hpp"
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <map>
 #include <random>
@@ -80,6 +82,34 @@ TEST(Grid, EveryOverlappingPairIsReportedOnceByEveryKindWhileBodiesMove) {
                 particles.position[i] += Vector3d(jump(random), jump(random), jump(random));
           }
         }
+}
+
+// More fixed bodies than have a bit of their own, and many that move on coarse levels.
+TEST(Grid, ManyCoarseBodiesGiveTheSamePairsOnEveryTeam) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> jump(0, .02);
+  const auto in_order = [](const Grid& grid, const Particles& particles) {
+    std::vector<BodyPair> found;
+    for (int e = 0; e < grid.entries(); ++e) grid.pairs_of(e, particles, Sieve::none, found);
+    return found;
+  };
+  for (const std::string runtime : {"openmp", "tbb"})
+    for (const std::string name : {"regular", "adaptive"}) {
+      Particles particles = crowd(1200, .02, 5, random);
+      Grid alone(kind(name), 3, {}, particles), shared(kind(name), 3, {}, particles);
+      Team team(row_named(runtimes(), "runtime", runtime), 3);
+      for (int step = 0; step < 4; ++step) {
+        SCOPED_TRACE(runtime + " " + name + " step " + std::to_string(step));
+        alone.update(particles, one_thread());
+        shared.update(particles, team);
+        check_pairs(alone, particles);
+        if (HasFatalFailure()) return;
+        EXPECT_TRUE(std::ranges::equal(in_order(alone, particles), in_order(shared, particles),
+                                       [](BodyPair l, BodyPair r) { return l.a == r.a && l.b == r.b; }));
+        for (int i = 0; i < particles.size(); ++i)
+          if (!particles.fixed(i)) particles.position[i] += Vector3d(jump(random), jump(random), jump(random));
+      }
+    }
 }
 
 TEST(Grid, NoneComparesAllPairs) {
