@@ -6,7 +6,7 @@ namespace trigrain {
 namespace {
 
 constexpr int grain = 1024; // bodies a worker takes at a time
-constexpr std::size_t most_walls = 64;
+constexpr std::size_t most_walls = 63;
 constexpr std::uint64_t nowhere = std::numeric_limits<std::uint64_t>::max();
 
 double diameter_of(const Particles& p, int i) { return 2 * (p.radius[i] + p.halo[i]); }
@@ -147,7 +147,8 @@ void Grid::move_changed() {
 }
 
 void Grid::rebuild_vertices() {
-  last_vertex_.swap(vertex_);
+  known_walls_.clear();
+  for (const Vertex& v : vertex_) known_walls_.push_back({v.key, v.walls});
   vertex_.clear();
   entry_vertex_.resize(order_.size());
   level_vertices_.assign(levels() + 1, 0);
@@ -155,7 +156,7 @@ void Grid::rebuild_vertices() {
     const int body = order_[e];
     if (vertex_.empty() || vertex_.back().key != body_key_[body]) {
       if (vertex_.size() == vertex_.capacity()) vertex_.reserve(vertex_.size() + vertex_.size() / 8 + 64);
-      vertex_.push_back({.key = body_key_[body], .bodies = {e, e}});
+      vertex_.push_back({.key = body_key_[body], .bodies = {e, e}, .walls = 0});
       level_vertices_[body_level_[body] + 1] = static_cast<int>(vertex_.size());
     }
     vertex_.back().bodies.end = e + 1;

@@ -54,10 +54,9 @@ class Grid final : public PairSource {
   struct Vertex {
     std::uint64_t key;
     Range bodies;
-    Range partners[5];       // partners[0] begins behind the vertex's own bodies
-    Range copies;            // into copies_
-    std::uint64_t walls = 0; // of walls_, those that its bodies may touch: bit i stands for walls_[i]
-    bool is_new = true;      // walls are not known
+    Range partners[5];   // partners[0] begins behind the vertex's own bodies
+    Range copies;        // into copies_
+    std::uint64_t walls; // of walls_, those that its bodies may touch: bit i stands for walls_[i]
   };
   struct Copy {
     int vertex, body;
@@ -66,6 +65,7 @@ class Grid final : public PairSource {
 
   bool is_at_home(int body, const Particles& particles) const;
   bool coarse_moves() const { return !movers_.empty(); }
+  int vertices_of(int level) const { return level_vertices_[level + 1] - level_vertices_[level]; }
   bool above_target(int body) const { return body_level_[body] < target_[body]; }
   void settle(int body, const Eigen::Vector3d& x);
   void settle_all(const Particles& particles, Team& team);
@@ -98,12 +98,12 @@ class Grid final : public PairSource {
   std::vector<int> level_vertices_;     // vertices of level l: [l], ..., [l + 1] - 1
   std::vector<int> copies_;             // virtual copies: bodies, by vertex
   std::vector<int> coarse_;             // bodies with occupied levels below their own:
-  std::vector<int> walls_, movers_;     // up to 64 that are fixed; those that move
+  std::vector<int> walls_, movers_;     // up to 63 that are fixed; those that move
   std::unordered_map<int, Eigen::AlignedBox3d> fixed_box_; // of bodies that are fixed
   std::unordered_map<int, Reach> fixed_reach_;             // per coarse body that is fixed: answers so far
   std::int64_t refinements_ = 0, coarsenings_ = 0, settled_ = 0; // of the last update
   std::vector<int> changed_, merged_, last_walls_;               // scratch
-  std::vector<Vertex> last_vertex_;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> known_walls_; // of the last step's vertices, by key
   std::vector<char> has_changed_, leaves_;
   std::vector<std::vector<Copy>> projected_; // scratch: of some movers each
 };

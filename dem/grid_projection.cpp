@@ -28,30 +28,27 @@ Eigen::AlignedBox3d Grid::box_of(const Particles& p, int i) const {
 
 /// A vertex that held bodies in the last step knows its walls, if the same ones stand at the same vertices.
 void Grid::find_walls(const Particles& particles, Team& team) {
+  constexpr std::uint64_t unknown = std::uint64_t{1} << 63;
   if (walls_.empty()) return;
   if (walls_ != last_walls_ || std::any_of(walls_.begin(), walls_.end(), [&](int i) { return has_changed_[i] != 0; }))
-    last_vertex_.clear();
+    known_walls_.clear();
   team.parallel_for(occupied_vertices(), grain, [&](int begin, int end, int) {
-    const auto before = [](const Vertex& v, std::uint64_t key) { return v.key < key; };
-    auto last = std::lower_bound(last_vertex_.begin(), last_vertex_.end(), vertex_[begin].key, before);
-    for (int v = begin; v < end; ++v) {
-      Vertex& vertex = vertex_[v];
-      while (last != last_vertex_.end() && last->key < vertex.key) ++last;
-      if (last == last_vertex_.end() || last->key != vertex.key) continue;
-      vertex.walls = last->walls;
-      vertex.is_new = false;
+    auto known = std::lower_bound(known_walls_.begin(), known_walls_.end(), std::pair(vertex_[begin].key, std::uint64_t{0}));
+    for (Vertex& v : std::span(vertex_).subspan(begin, end - begin)) {
+      while (known != known_walls_.end() && known->first < v.key) ++known;
+      v.walls = known != known_walls_.end() && known->first == v.key ? known->second : unknown;
     }
   });
-  for (int level = 1; level <= finest_; ++level)
-    for (int v = level_vertices_[level]; v < level_vertices_[level + 1]; ++v) {
-      if (!vertex_[v].is_new) continue;
-      const Index3 index = tree_.vertex_of(level, vertex_[v].key);
+  for (int level = 0; level <= finest_; ++level)
+    for (Vertex& v : std::span(vertex_).subspan(level_vertices_[level], vertices_of(level))) {
+      if (v.walls != unknown) continue;
+      v.walls = 0;
+      const Index3 index = tree_.vertex_of(level, v.key);
       for (std::size_t i = 0; i < walls_.size(); ++i) {
-        const int wall = walls_[i];
-        if (body_level_[wall] >= level) continue;
-        const auto [low, high] = reach_of(fixed_box_.at(wall), level);
-        if ((index >= low).all() && (index <= high).all() && reaches(particles, wall, level, index))
-          vertex_[v].walls |= std::uint64_t{1} << i;
+        if (body_level_[walls_[i]] >= level) continue;
+        const auto [low, high] = reach_of(fixed_box_.at(walls_[i]), level);
+        if ((index >= low).all() && (index <= high).all() && reaches(particles, walls_[i], level, index))
+          v.walls |= std::uint64_t{1} << i;
       }
     }
 }
@@ -100,7 +97,7 @@ std::pair<Index3, Index3> Grid::reach_of(const Eigen::AlignedBox3d& box, int lev
 /// at the domain's border, where bodies outside count too, the box is open outwards.
 void Grid::project_to(const Particles& particles, int body, const Eigen::AlignedBox3d& box, std::vector<Copy>& into) {
   for (int level = body_level_[body] + 1; level <= finest_; ++level) {
-    if (level_vertices_[level] == level_vertices_[level + 1]) continue;
+    if (vertices_of(level) == 0) continue;
     const auto [low, high] = reach_of(box, level);
     const auto first = vertex_.begin() + level_vertices_[level], last = vertex_.begin() + level_vertices_[level + 1];
     const bool stands = particles.fixed(body);
