@@ -99,10 +99,10 @@ class Grid final : public PairSource {
   std::vector<int> copies_;             // virtual copies: bodies, by vertex
   std::vector<int> coarse_;             // bodies with occupied levels below their own:
   std::vector<int> walls_, movers_;     // up to 63 that are fixed; those that move
-  std::unordered_map<int, Eigen::AlignedBox3d> fixed_box_; // of bodies that are fixed
-  std::unordered_map<int, Reach> fixed_reach_;             // per coarse body that is fixed: answers so far
-  std::int64_t refinements_ = 0, coarsenings_ = 0, settled_ = 0; // of the last update
-  std::vector<int> changed_, merged_, last_walls_;               // scratch
+  std::unordered_map<int, Eigen::AlignedBox3d> fixed_box_;           // of bodies that are fixed
+  std::unordered_map<int, Reach> fixed_reach_;                       // per coarse body that is fixed: answers so far
+  std::int64_t refinements_ = 0, coarsenings_ = 0, settled_ = 0;     // of the last update
+  std::vector<int> changed_, merged_, last_walls_;                   // scratch
   std::vector<std::pair<std::uint64_t, std::uint64_t>> known_walls_; // of the last step's vertices, by key
   std::vector<char> has_changed_, leaves_;
   std::vector<std::vector<Copy>> projected_; // scratch: of some movers each

@@ -33,7 +33,8 @@ void Grid::find_walls(const Particles& particles, Team& team) {
   if (walls_ != last_walls_ || std::any_of(walls_.begin(), walls_.end(), [&](int i) { return has_changed_[i] != 0; }))
     known_walls_.clear();
   team.parallel_for(occupied_vertices(), grain, [&](int begin, int end, int) {
-    auto known = std::lower_bound(known_walls_.begin(), known_walls_.end(), std::pair(vertex_[begin].key, std::uint64_t{0}));
+    auto known =
+        std::lower_bound(known_walls_.begin(), known_walls_.end(), std::pair(vertex_[begin].key, std::uint64_t{0}));
     for (Vertex& v : std::span(vertex_).subspan(begin, end - begin)) {
       while (known != known_walls_.end() && known->first < v.key) ++known;
       v.walls = known != known_walls_.end() && known->first == v.key ? known->second : unknown;

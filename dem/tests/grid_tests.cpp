@@ -1,6 +1,6 @@
 #include "dem/grid.hpp"
-#include "one_thread.hpp"
 #include "kernels/name_table.hpp"
+#include "one_thread.hpp"
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <map>
