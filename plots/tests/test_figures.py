@@ -3,6 +3,7 @@ import csv
 import hashlib
 import importlib
 import json
+import os
 import re
 import statistics
 import subprocess
@@ -34,6 +35,12 @@ def rows(drawn: Drawn) -> list[dict[str, str]]:
 
 def texts(drawn: Drawn) -> str:
     return " ".join(re.findall(r"<text[^>]*>([^<]*)</text>", drawn.path("svg").read_text()))
+
+
+def test_whatever_names_its_interpreter_can_be_run():
+    scripts = [path for path in PLOTS.glob("*.py") if path.read_text(encoding="utf-8").startswith("#!")]
+    assert len(scripts) > 20
+    assert [path.name for path in scripts if not os.access(path, os.X_OK)] == []
 
 
 @pytest.mark.parametrize("name", SCALING)
