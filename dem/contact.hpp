@@ -1,4 +1,5 @@
 #pragma once
+#include "kernels/column.hpp"
 #include <Eigen/Core>
 
 namespace trigrain {
@@ -34,7 +35,7 @@ struct Contact : Touch {
 };
 
 /// Sum of the contacts of a body pair, in one line of the cache: bodies gather these from all over memory.
-struct alignas(64) Reaction {
+struct alignas(cache_line) Reaction {
   int a, b;
   Eigen::Vector3d force{0, 0, 0};  ///< on A (N); B gets the opposite
   Eigen::Vector3d torque{0, 0, 0}; ///< on A, about its centre of mass (N m)

@@ -132,7 +132,7 @@ void ContactList::fetch(int i, std::span<const WorkerBuffer> buffers, const Part
   if (i >= pairs()) return;
   const Pair& pair = pairs_[i];
   const auto* const found = reinterpret_cast<const char*>(buffers[pair.worker].contacts.data() + pair.found);
-  for (std::size_t byte = 0; byte < sizeof(Touch); byte += 64) __builtin_prefetch(found + byte);
+  for (std::size_t byte = 0; byte < sizeof(Touch); byte += cache_line) __builtin_prefetch(found + byte);
   __builtin_prefetch(&particles.position[pair.other]);
   __builtin_prefetch(&particles.velocity[pair.other]);
 }

@@ -6,7 +6,6 @@ namespace trigrain {
 namespace {
 
 constexpr int grain = 1024; // bodies a worker takes at a time
-constexpr std::size_t most_walls = 63;
 constexpr std::uint64_t nowhere = std::numeric_limits<std::uint64_t>::max();
 
 double diameter_of(const Particles& p, int i) { return 2 * (p.radius[i] + p.halo[i]); }
@@ -22,7 +21,7 @@ Grid::Grid(const GridKind& kind, int subdivision, const Domain& domain, const Pa
   for (int i = 0; i < n; ++i) {
     diameter_.push_back(diameter_of(particles, i) + 2 * skin);
     target_.push_back(tree_.level_for(diameter_[i]));
-    if (particles.fixed(i)) fixed_box_[i] = box_of(particles, i);
+    if (particles.fixed(i)) fixed_.try_emplace(i, Fixed{box_of(particles, i), {}});
   }
   for (int l = 0; l < levels(); ++l) {
     double widest = 0;
@@ -54,13 +53,12 @@ void Grid::update(const Particles& particles, Team& team) {
     team.parallel_for(rows, few, [&](int begin, int end, int) {
       for (int i = begin; i < end; ++i) find_partners(i / 5, i % 5);
     });
-    find_walls(particles, team);
   }
   sphere_.resize(entries());
   team.parallel_for(entries(), grain, [&](int begin, int end, int) {
     for (int e = begin; e < end; ++e) sphere_.set(e, particles.position[order_[e]], diameter_[order_[e]] / 2);
   });
-  if (!coarse_.empty() && (coarse_moves() || !changed_.empty())) project(particles, team);
+  if (!coarse_.empty() && (coarse_moves_ || !changed_.empty())) project(particles, team);
 }
 
 /// Has a body been placed, and is it still nearest to its vertex?
@@ -118,17 +116,14 @@ void Grid::settle(int body, const Eigen::Vector3d& x) {
 /// Bodies that have occupied levels below their own.
 void Grid::find_coarse(const Particles& particles) {
   finest_ = *std::max_element(body_level_.begin(), body_level_.end());
-  last_walls_.swap(walls_);
-  for (std::vector<int>* list : {&coarse_, &walls_, &movers_}) list->clear();
+  coarse_.clear();
+  coarse_moves_ = false;
   above_target_ = 0;
   for (int i = 0; i < particles.size(); ++i) {
     above_target_ += above_target(i);
     if (body_level_[i] == finest_) continue;
     coarse_.push_back(i);
-    if (!particles.fixed(i))
-      movers_.push_back(i);
-    else if (walls_.size() < most_walls)
-      walls_.push_back(i);
+    coarse_moves_ = coarse_moves_ || !particles.fixed(i);
   }
 }
 
@@ -147,8 +142,6 @@ void Grid::move_changed() {
 }
 
 void Grid::rebuild_vertices() {
-  known_walls_.clear();
-  for (const Vertex& v : vertex_) known_walls_.push_back({v.key, v.walls});
   vertex_.clear();
   entry_vertex_.resize(order_.size());
   level_vertices_.assign(levels() + 1, 0);
@@ -156,7 +149,7 @@ void Grid::rebuild_vertices() {
     const int body = order_[e];
     if (vertex_.empty() || vertex_.back().key != body_key_[body]) {
       if (vertex_.size() == vertex_.capacity()) vertex_.reserve(vertex_.size() + vertex_.size() / 8 + 64);
-      vertex_.push_back({.key = body_key_[body], .bodies = {e, e}, .walls = 0});
+      vertex_.push_back({.key = body_key_[body], .bodies = {e, e}});
       level_vertices_[body_level_[body] + 1] = static_cast<int>(vertex_.size());
     }
     vertex_.back().bodies.end = e + 1;

@@ -54,17 +54,18 @@ class Grid final : public PairSource {
   struct Vertex {
     std::uint64_t key;
     Range bodies;
-    Range partners[5];   // partners[0] begins behind the vertex's own bodies
-    Range copies;        // into copies_
-    std::uint64_t walls; // of walls_, those that its bodies may touch: bit i stands for walls_[i]
+    Range partners[5]; // partners[0] begins behind the vertex's own bodies
+    Range copies;      // into copies_
   };
   struct Copy {
     int vertex, body;
   };
-  using Reach = std::unordered_map<std::uint64_t, bool>;
+  struct Fixed {
+    Eigen::AlignedBox3d box;
+    std::unordered_map<std::uint64_t, bool> reaches; // vertices asked so far, by key
+  };
 
   bool is_at_home(int body, const Particles& particles) const;
-  bool coarse_moves() const { return !movers_.empty(); }
   int vertices_of(int level) const { return level_vertices_[level + 1] - level_vertices_[level]; }
   bool above_target(int body) const { return body_level_[body] < target_[body]; }
   void settle(int body, const Eigen::Vector3d& x);
@@ -74,38 +75,34 @@ class Grid final : public PairSource {
   void move_changed();
   void rebuild_vertices();
   void find_partners(int level, int row);
-  void find_walls(const Particles& particles, Team& team);
   void project(const Particles& particles, Team& team);
-  void project_to(const Particles& particles, int body, const Eigen::AlignedBox3d& box, std::vector<Copy>& into);
+  void project_to_vertices(const Particles& particles, int body, std::vector<Copy>& into);
   bool reaches(const Particles& particles, int body, int level, const Index3& index);
-  std::pair<Index3, Index3> reach_of(const Eigen::AlignedBox3d& box, int level) const;
   Eigen::AlignedBox3d box_of(const Particles& particles, int body) const;
 
   double skin_; // m
   Spacetree tree_;
-  std::vector<double> diameter_;        // 2 (radius + halo + skin) (m)
-  std::vector<int> target_;             // finest level that a body fits on
-  std::vector<double> level_room_;      // per level: half of (cell - diameter) of the widest body there may be (m)
-  std::vector<int> body_level_;         // where it lives
-  std::vector<std::uint64_t> body_key_; // of its vertex
-  std::vector<Eigen::Vector3d> anchor_; // where it was when it came there: the cells above it are entered from here
-  mutable std::vector<char> wish_;      // bodies that shall drop, noted by pairs_of() for the next update
-  int above_target_ = 0, finest_ = 0;   // number of bodies; level
-  std::vector<int> order_;              // bodies sorted by (key, index)
-  SphereArray sphere_;                  // of each entry, with halo and skin
-  std::vector<int> entry_vertex_;       // vertex of each entry
-  std::vector<Vertex> vertex_;          // sorted by key
-  std::vector<int> level_vertices_;     // vertices of level l: [l], ..., [l + 1] - 1
-  std::vector<int> copies_;             // virtual copies: bodies, by vertex
-  std::vector<int> coarse_;             // bodies with occupied levels below their own:
-  std::vector<int> walls_, movers_;     // up to 63 that are fixed; those that move
-  std::unordered_map<int, Eigen::AlignedBox3d> fixed_box_;           // of bodies that are fixed
-  std::unordered_map<int, Reach> fixed_reach_;                       // per coarse body that is fixed: answers so far
-  std::int64_t refinements_ = 0, coarsenings_ = 0, settled_ = 0;     // of the last update
-  std::vector<int> changed_, merged_, last_walls_;                   // scratch
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> known_walls_; // of the last step's vertices, by key
+  std::vector<double> diameter_;         // 2 (radius + halo + skin) (m)
+  std::vector<int> target_;              // finest level that a body fits on
+  std::vector<double> level_room_;       // per level: half of (cell - diameter) of the widest body there may be (m)
+  std::vector<int> body_level_;          // where it lives
+  std::vector<std::uint64_t> body_key_;  // of its vertex
+  std::vector<Eigen::Vector3d> anchor_;  // where it was when it came there: the cells above it are entered from here
+  mutable std::vector<char> wish_;       // bodies that shall drop, noted by pairs_of() for the next update
+  int above_target_ = 0, finest_ = 0;    // number of bodies; level
+  std::vector<int> order_;               // bodies sorted by (key, index)
+  SphereArray sphere_;                   // of each entry, with halo and skin
+  std::vector<int> entry_vertex_;        // vertex of each entry
+  std::vector<Vertex> vertex_;           // sorted by key
+  std::vector<int> level_vertices_;      // vertices of level l: [l], ..., [l + 1] - 1
+  std::vector<int> copies_;              // virtual copies: bodies, by vertex
+  std::vector<int> coarse_;              // bodies with occupied levels below their own
+  std::unordered_map<int, Fixed> fixed_; // bodies that are fixed
+  bool coarse_moves_ = false;
+  std::int64_t refinements_ = 0, coarsenings_ = 0, settled_ = 0; // of the last update
+  std::vector<int> changed_, merged_;                            // scratch
   std::vector<char> has_changed_, leaves_;
-  std::vector<std::vector<Copy>> projected_; // scratch: of some movers each
+  std::vector<std::vector<Copy>> projected_; // scratch: of some coarse bodies each
 };
 
 } // namespace trigrain

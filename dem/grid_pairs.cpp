@@ -54,7 +54,7 @@ double Grid::room(int body) const {
   const int level = body_level_[body];
   double room = std::numeric_limits<double>::infinity();
   if (level > 0) room = (tree_.level(level).cell_size - diameter_[body]) / 2;
-  if (!coarse_moves()) return room + skin_;
+  if (!coarse_moves_) return room + skin_;
   // A virtual copy ends where the room of a body there does: it and the coarse body share that.
   for (int finer = level + 1; finer <= finest_; ++finer) room = std::min(room, level_room_[finer]);
   return room / 2 + skin_;
