@@ -15,7 +15,7 @@ struct Box {
 using Octet = Pack<double, 8>;
 
 /// Eight boxes, to be tested at once.
-struct alignas(64) BoxOctet {
+struct alignas(cache_line) BoxOctet {
   std::array<std::array<double, 8>, 3> low, high;
 };
 
@@ -28,7 +28,7 @@ struct Disc {
 };
 
 /// Eight discs.
-struct alignas(64) DiscOctet {
+struct alignas(cache_line) DiscOctet {
   std::array<std::array<double, 8>, 3> centre, normal;
   std::array<double, 8> half_height, radius;
 };
