@@ -1,4 +1,6 @@
 #include "dem/budget.hpp"
+#include "dem/contact_pack.hpp"
+#include <algorithm>
 
 namespace trigrain {
 
@@ -47,16 +49,23 @@ KickSums& KickSums::operator+=(const KickSums& o) {
 
 namespace {
 
-void add_dissipation(const Contact& c, const Particles& p, const MiddleMotion& motion, double kick_s, KickSums& sums) {
-  const Vector3d relative = motion.velocity[c.a] + motion.angular_velocity[c.a].cross(c.point - p.position[c.a]) -
-                            motion.velocity[c.b] - motion.angular_velocity[c.b].cross(c.point - p.position[c.b]);
-  const Vector3d other = c.force - c.elastic(); // dashpots and the tangential spring
-  const double normal = -kick_s * other.dot(c.normal) * relative.dot(c.normal);
-  const double tangential = -kick_s * (other - other.dot(c.normal) * c.normal).dot(relative);
-  const double dissipated = tangential + c.released;
-  sums.budget.damping += normal + (c.slides ? 0 : dissipated);
-  sums.budget.friction += c.slides ? dissipated : 0;
-  sums.pending += (normal + tangential) / 2;
+/// What the contacts of a pack dissipate.
+[[gnu::flatten]] void add_dissipation(const ContactPack& pack, const Particles& p, const MiddleMotion& motion,
+                                      double kick_s, KickSums& sums) {
+  const Vec3<Lanes> normal = pack.normal(), force = pack.vectors([](const Contact&c) -> auto& { return c.force; }),
+                    relative = pack.relative_velocity(p.position, motion.velocity, motion.angular_velocity);
+  const Lanes stiffness = pack.numbers([](const Contact& c) { return c.stiffness; });
+  const Vec3<Lanes> other = force - stiffness * pack.push(); // dashpots and the tangential spring
+  const Lanes along = dot(other, normal), kick(kick_s);
+  const Lanes normal_part = -kick * along * dot(relative, normal);
+  const Lanes tangential = -kick * dot(other - along * normal, relative);
+  for (int i = 0; i < pack.size(); ++i) {
+    const Contact& c = pack.contacts[i];
+    const double dissipated = tangential[i] + c.released;
+    sums.budget.damping += normal_part[i] + (c.slides ? 0 : dissipated);
+    sums.budget.friction += c.slides ? dissipated : 0;
+    sums.pending += (normal_part[i] + tangential[i]) / 2;
+  }
 }
 
 void add_wall_impulse(const Particles& p, const Contact& c, double kick_s, Budget& budget) {
@@ -70,8 +79,10 @@ void add_wall_impulse(const Particles& p, const Contact& c, double kick_s, Budge
 
 void add_contacts(std::span<const Contact> contacts, const Particles& p, const MiddleMotion& motion, double kick_s,
                   KickSums& sums) {
+  for (std::size_t first = 0; first < contacts.size(); first += lane_count)
+    add_dissipation(ContactPack(contacts.subspan(first, std::min<std::size_t>(lane_count, contacts.size() - first))), p,
+                    motion, kick_s, sums);
   for (const Contact& c : contacts) {
-    add_dissipation(c, p, motion, kick_s, sums);
     add_wall_impulse(p, c, kick_s, sums.budget);
     sums.released += c.released;
     sums.held += c.held;

@@ -6,17 +6,17 @@
 namespace trigrain {
 namespace {
 
-double linear_energy(const ContactParameters& law, const Particles&, const Contact& c, double overlap) {
-  return law.stiffness / 2 * c.share * overlap * overlap;
+Lanes linear_energy(const ContactParameters& law, const Particles&, const ContactPack& pack, const Lanes& overlap) {
+  return Lanes(law.stiffness / 2) * pack.share() * overlap * overlap;
 }
 
-Spring spring_dashpot(const ContactParameters& law, const Particles& p, const Contact& c, double overlap) {
-  const double k = law.stiffness;
+Spring spring_dashpot(const ContactParameters& law, const Particles& p, const ContactPack& pack, const Lanes& overlap) {
+  const Lanes k(law.stiffness);
   return {.secant = k,
           .tangent = k,
-          .tangential = law.tangential_ratio * k,
-          .damping = 2 * law.damping_ratio * c.share * std::sqrt(k * c.mass),
-          .energy = linear_energy(law, p, c, overlap)};
+          .tangential = Lanes(law.tangential_ratio) * k,
+          .damping = Lanes(2 * law.damping_ratio) * pack.share() * sqrt(k * pack.mass()),
+          .energy = linear_energy(law, p, pack, overlap)};
 }
 
 double elastic_radius(const Particles& p, int i) {
@@ -25,18 +25,23 @@ double elastic_radius(const Particles& p, int i) {
 
 /// Hertz (1882); tangential stiffness of Mindlin (1949) without slip; dashpots of Tsuji, Tanaka & Ishida (1992), whose
 /// restitution does not depend on speed. Fixed bodies are rigid.
-Spring hertz_mindlin(const ContactParameters& law, const Particles& p, const Contact& c, double overlap) {
-  const HertzPair pair = hertz_pair(law, elastic_radius(p, c.a), elastic_radius(p, c.b), p.fixed(c.a) || p.fixed(c.b));
-  const double root = std::sqrt(overlap), secant = pair.k * root;
+Spring hertz_mindlin(const ContactParameters& law, const Particles& p, const ContactPack& pack, const Lanes& overlap) {
+  std::array<double, lane_count> k{}, tangential{};
+  for (int i = 0; i < pack.size(); ++i) {
+    const auto [a, b] = std::pair(pack.contacts[i].a, pack.contacts[i].b);
+    const HertzPair pair = hertz_pair(law, elastic_radius(p, a), elastic_radius(p, b), p.fixed(a) || p.fixed(b));
+    k[i] = pair.k, tangential[i] = pair.tangential;
+  }
+  const Lanes root = sqrt(overlap), secant = load<Lanes>(k.data()) * root;
   return {.secant = secant,
-          .tangent = 1.5 * secant,
-          .tangential = pair.tangential * root,
-          .damping = 2 * law.damping_ratio * std::sqrt(1.5 * secant * c.mass),
-          .energy = .4 * secant * overlap * overlap};
+          .tangent = Lanes(1.5) * secant,
+          .tangential = load<Lanes>(tangential.data()) * root,
+          .damping = Lanes(2 * law.damping_ratio) * sqrt(Lanes(1.5) * secant * pack.mass()),
+          .energy = Lanes(.4) * secant * overlap * overlap};
 }
 
-double hertz_energy(const ContactParameters& law, const Particles& p, const Contact& c, double overlap) {
-  return hertz_mindlin(law, p, c, overlap).energy;
+Lanes hertz_energy(const ContactParameters& law, const Particles& p, const ContactPack& pack, const Lanes& overlap) {
+  return hertz_mindlin(law, p, pack, overlap).energy;
 }
 
 constexpr ContactLaw table[] = {

@@ -1,33 +1,35 @@
 #pragma once
-#include "dem/contact.hpp"
+#include "dem/contact_pack.hpp"
 #include "dem/particles.hpp"
 #include <span>
 #include <string_view>
 
 namespace trigrain {
 
-/// What a contact does at an overlap (m).
+/// What contacts do at an overlap (m).
 struct Spring {
-  double secant;     ///< normal force over overlap (N/m)
-  double tangent;    ///< its slope (N/m)
-  double tangential; ///< stiffness of the tangential spring (N/m)
-  double damping;    ///< of the normal dashpot (N s/m)
-  double energy;     ///< held by the normal spring (J)
+  Lanes secant;     ///< normal force over overlap (N/m)
+  Lanes tangent;    ///< its slope (N/m)
+  Lanes tangential; ///< stiffness of the tangential spring (N/m)
+  Lanes damping;    ///< of the normal dashpot (N s/m)
+  Lanes energy;     ///< held by the normal spring (J)
 };
 
-/// By how much, relative, a spring and its dashpot are stiffer in a step (s) for the force that has acted since
+/// By how much, relative, springs and their dashpots are stiffer in a step (s) for the force that has acted since
 /// velocities were those of half a step ago.
-inline double lag(const Spring& spring, const Contact& contact, double step_s) {
-  return spring.damping * step_s / (2 * contact.share * contact.mass);
+inline Lanes lag(const Spring& spring, const ContactPack& pack, double step_s) {
+  return spring.damping * Lanes(step_s / 2) / (pack.share() * pack.mass());
 }
 
 /// A way to turn the overlap of two bodies into a force.
 struct ContactLaw {
   std::string_view name;
   std::string_view about;
-  Spring (*spring)(const ContactParameters& law, const Particles& particles, const Contact& contact, double overlap);
+  Spring (*spring)(const ContactParameters& law, const Particles& particles, const ContactPack& pack,
+                   const Lanes& overlap);
   /// Spring::energy alone.
-  double (*energy)(const ContactParameters& law, const Particles& particles, const Contact& contact, double overlap);
+  Lanes (*energy)(const ContactParameters& law, const Particles& particles, const ContactPack& pack,
+                  const Lanes& overlap);
 };
 
 std::span<const ContactLaw> contact_laws();

@@ -2,12 +2,13 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 namespace trigrain {
 namespace {
 
-constexpr int grain = 64; // bodies or pairs a worker takes at a time
+constexpr int grain = 512; // bodies or pairs a worker takes at a time: some ns each
 
 /// Adds one to counters that the team shares; what they were.
 class CountUp {
@@ -49,7 +50,18 @@ template <class Visit> void for_found(std::span<const WorkerBuffer> buffers, Tea
   });
 }
 
+auto key(const auto& c) { return std::tie(c.feature_a, c.feature_b); }
+
 } // namespace
+
+void carry_springs(std::span<const HeldSpring> last, std::span<const Contact> contacts, std::span<HeldSpring> springs) {
+  auto old = last.begin();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    springs[i] = {contacts[i].feature_a, contacts[i].feature_b};
+    while (old != last.end() && key(*old) < key(springs[i])) ++old;
+    if (old != last.end() && key(*old) == key(springs[i])) springs[i] = *old;
+  }
+}
 
 void ContactList::gather(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
   last_springs_.swap(springs_);
@@ -57,24 +69,17 @@ void ContactList::gather(std::span<const WorkerBuffer> buffers, const Particles&
   last_first_.swap(first_);
   count(buffers, particles, team);
   sort_pairs(buffers, particles, team);
-  sort_by_other(particles, team);
+  others_listed_ = false;
 }
 
-/// How many pairs each body owns, and in how many it is the other one. Fixed bodies feel no forces.
+/// How many pairs each body owns.
 void ContactList::count(std::span<const WorkerBuffer> buffers, const Particles& particles, Team& team) {
   first_.assign(particles.size() + 1, 0);
-  first_of_others_.assign(particles.size() + 1, 0);
   const CountUp count_up(team);
-  for_found(buffers, team, [&](int, const FoundPair& found) {
-    const auto [owner, other] = owner_first(particles, found);
-    count_up(first_[owner + 1]);
-    if (!particles.fixed(other)) count_up(first_of_others_[other + 1]);
-  });
+  for_found(buffers, team,
+            [&](int, const FoundPair& found) { count_up(first_[owner_first(particles, found).first + 1]); });
   add_up(first_);
-  add_up(first_of_others_);
   resize_closely(pairs_, first_.back());
-  resize_closely(reactions_, first_.back());
-  resize_closely(pairs_of_others_, first_of_others_.back());
 }
 
 /// Counting sort by owner: where the workers put a pair among those of its owner depends on who is first, sorting by
@@ -100,49 +105,67 @@ void ContactList::sort_pairs(std::span<const WorkerBuffer> buffers, const Partic
   });
   place_[0] = 0;
   add_up(place_);
+  team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
+    for (int i = begin; i < end; ++i) pairs_[i].first += place_[pairs_[i].owner];
+  });
   resize_closely(contacts_, place_.back());
   resize_closely(springs_, place_.back());
 }
 
-/// The same pairs sorted by (other, owner); those of a body know now where its contacts begin.
-void ContactList::sort_by_other(const Particles& particles, Team& team) {
+/// The same pairs sorted by (other, owner). Fixed bodies feel no forces.
+void ContactList::list_others(const Particles& particles, Team& team) {
+  if (others_listed_) return;
+  others_listed_ = true;
+  resize_closely(reactions_, pairs_.size());
+  first_of_others_.assign(particles.size() + 1, 0);
   const CountUp count_up(team);
-  place_of_others_.assign(first_of_others_.begin(), first_of_others_.end());
-  team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
-    for (int i = begin; i < end; ++i) {
-      Pair& pair = pairs_[i];
-      pair.first += place_[pair.owner];
-      if (!particles.fixed(pair.other)) pairs_of_others_[count_up(place_of_others_[pair.other])] = i;
-    }
-  });
+  const auto for_others = [&](const auto& visit) {
+    team.parallel_for(pairs(), grain, [&](int begin, int end, int) {
+      for (int i = begin; i < end; ++i)
+        if (const int other = pairs_[i].other; !particles.fixed(other)) visit(i, other);
+    });
+  };
+  for_others([&](int, int other) { count_up(first_of_others_[other + 1]); });
+  add_up(first_of_others_);
+  resize_closely(pairs_of_others_, first_of_others_.back());
+  place_.assign(first_of_others_.begin(), first_of_others_.end());
+  for_others([&](int i, int other) { pairs_of_others_[count_up(place_[other])] = i; });
   team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
     for (int i = begin; i < end; ++i)
       std::sort(pairs_of_others_.begin() + first_of_others_[i], pairs_of_others_.begin() + first_of_others_[i + 1]);
   });
 }
 
-std::span<Contact> ContactList::lay_out(int i, std::span<const WorkerBuffer> buffers) {
-  const Pair& pair = pairs_[i];
-  const auto found = buffers[pair.worker].contacts.begin() + pair.found;
-  std::transform(found, found + pair.count, contacts_.begin() + pair.first, [](const Touch& t) { return Contact{t}; });
-  return within(contacts_, pair);
+void ContactList::lay_out(int begin, int end, std::span<const WorkerBuffer> buffers, const Particles& particles) {
+  const auto bodies = [](const Pair& pair) { return std::pair(pair.owner, pair.other); };
+  auto last = last_pairs_.begin() + (last_first_.empty() ? 0 : last_first_[pairs_[begin].owner]);
+  for (int i = begin; i < end; ++i) {
+    fetch(i + 6, buffers, particles);
+    const Pair& pair = pairs_[i];
+    if (pair.found == FoundPair::of_spheres) {
+      const auto [a, b] = std::minmax(pair.owner, pair.other);
+      touch_of_spheres(particles, {a, b}, contacts_[pair.first]);
+    } else {
+      for (int k = 0; k < pair.count; ++k)
+        static_cast<Touch&>(contacts_[pair.first + k]) = buffers[pair.worker].contacts[pair.found + k];
+    }
+    while (last != last_pairs_.end() && bodies(*last) < bodies(pair)) ++last;
+    const bool touched = last != last_pairs_.end() && bodies(*last) == bodies(pair);
+    carry_springs(touched ? within(last_springs_, *last) : std::span<const HeldSpring>(), within(contacts_, pair),
+                  within(springs_, pair));
+  }
 }
 
+/// What a pair soon to be laid out needs from far off in memory, while others are worked on.
 void ContactList::fetch(int i, std::span<const WorkerBuffer> buffers, const Particles& particles) const {
   if (i >= pairs()) return;
   const Pair& pair = pairs_[i];
-  const auto* const found = reinterpret_cast<const char*>(buffers[pair.worker].contacts.data() + pair.found);
-  for (std::size_t byte = 0; byte < sizeof(Touch); byte += cache_line) __builtin_prefetch(found + byte);
+  if (pair.found != FoundPair::of_spheres) {
+    const auto* const found = reinterpret_cast<const char*>(buffers[pair.worker].contacts.data() + pair.found);
+    for (std::size_t byte = 0; byte < sizeof(Touch); byte += cache_line) __builtin_prefetch(found + byte);
+  }
   __builtin_prefetch(&particles.position[pair.other]);
   __builtin_prefetch(&particles.velocity[pair.other]);
-}
-
-std::span<const HeldSpring> ContactList::last_of_pair(int pair) const {
-  const auto [owner, other] = std::pair(pairs_[pair].owner, pairs_[pair].other);
-  if (last_first_.empty()) return {};
-  const auto first = last_pairs_.begin() + last_first_[owner], last = last_pairs_.begin() + last_first_[owner + 1];
-  const auto found = std::lower_bound(first, last, other, [](const Pair& p, int body) { return p.other < body; });
-  return found != last && found->other == other ? within(last_springs_, *found) : std::span<const HeldSpring>();
 }
 
 } // namespace trigrain

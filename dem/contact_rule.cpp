@@ -49,6 +49,12 @@ void set_collective_mass(const Particles& p, std::span<Touch> contacts) {
   for (Touch& c : contacts) c.mass = mass;
 }
 
+void settle_pieces(const Particles& p, std::span<Touch> contacts) {
+  if (contacts.size() > 1) std::sort(contacts.begin(), contacts.end(), by_features);
+  set_springs(contacts);
+  set_collective_mass(p, contacts);
+}
+
 bool by_features(const Touch& l, const Touch& r) {
   return l.feature_a != r.feature_a ? l.feature_a < r.feature_a : l.feature_b < r.feature_b;
 }
@@ -104,9 +110,7 @@ void keep_nearest(const Particles& p, Contacts& contacts, std::size_t first) {
       *same = contact;
   }
   contacts.resize(end);
-  std::sort(contacts.begin() + first, contacts.end(), by_features);
-  set_springs(from(contacts, first));
-  set_collective_mass(p, from(contacts, first));
+  settle_pieces(p, from(contacts, first));
 }
 
 constexpr ContactRule table[] = {

@@ -26,4 +26,8 @@ bool by_features(const Touch& l, const Touch& r);
 /// Sets the mass of all contacts of a body pair.
 void set_collective_mass(const Particles& particles, std::span<Touch> contacts);
 
+/// What a rule with one contact per pair of pieces does with those of one body pair, whose features are the pieces:
+/// sorts them, and sets their springs and masses.
+void settle_pieces(const Particles& particles, std::span<Touch> contacts);
+
 } // namespace trigrain

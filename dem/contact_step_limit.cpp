@@ -3,6 +3,7 @@
 #include "dem/contact_law.hpp"
 #include "dem/critical_step.hpp"
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -26,20 +27,24 @@ void ContactStepLimit::couple(const Particles& p, const ContactParameters& law, 
   const ContactLaw& row = law_of(law);
   couplings_.resize(contacts.size());
   team.parallel_for(static_cast<int>(contacts.size()), grain, [&](int begin, int end, int) {
-    for (int i = begin; i < end; ++i) {
-      const Contact& c = contacts[i];
-      const Spring s = row.spring(law, p, c, c.overlap);
-      const double kt = law.friction > 0 ? s.tangential : 0;
-      couplings_[i] = {c.a,
-                       c.b,
-                       c.point - p.position[c.a],
-                       c.point - p.position[c.b],
-                       c.normal,
-                       c.share * s.tangent,
-                       c.share * kt,
-                       s.damping,
-                       std::sqrt(kt / s.tangent) * s.damping,
-                       lag(s, c, 1)};
+    for (int first = begin; first < end; first += lane_count) {
+      const ContactPack pack(contacts.subspan(first, std::min(lane_count, end - first)));
+      const Spring s = row.spring(law, p, pack, pack.overlap());
+      const Lanes kt = law.friction > 0 ? s.tangential : Lanes(0), k = pack.share() * s.tangent,
+                  shared_kt = pack.share() * kt, ct = sqrt(kt / s.tangent) * s.damping, rate = lag(s, pack, 1);
+      for (int i = 0; i < pack.size(); ++i) {
+        const Contact& c = pack.contacts[i];
+        couplings_[first + i] = {c.a,
+                                 c.b,
+                                 c.point - p.position[c.a],
+                                 c.point - p.position[c.b],
+                                 c.normal,
+                                 k[i],
+                                 shared_kt[i],
+                                 s.damping[i],
+                                 ct[i],
+                                 rate[i]};
+      }
     }
   });
 }
@@ -70,8 +75,8 @@ ContactStepLimit::Mode ContactStepLimit::respond(const Particles& p, const Conta
       if (p.fixed(i)) continue;
       Vector3d force(0, 0, 0), torque(0, 0, 0);
       contacts.for_body(i, [&](const Contact& c) {
-        const bool is_a = c.a == i;
         const std::ptrdiff_t at = &c - first;
+        const bool is_a = couplings_[at].a == i;
         const Vector3d f = is_a ? force_[at] : (-force_[at]).eval();
         force += f;
         torque += (is_a ? couplings_[at].arm_a : couplings_[at].arm_b).cross(f);
@@ -86,8 +91,9 @@ ContactStepLimit::Mode ContactStepLimit::respond(const Particles& p, const Conta
   });
 }
 
-double ContactStepLimit::of(const Particles& p, const ContactParameters& law, const ContactList& contacts, Team& team,
+double ContactStepLimit::of(const Particles& p, const ContactParameters& law, ContactList& contacts, Team& team,
                             int most_rounds) {
+  contacts.list_others(p, team);
   couple(p, law, contacts.contacts(), team);
   twist_.resize(p.size());
   team.parallel_for(p.size(), grain, [&](int begin, int end, int) {

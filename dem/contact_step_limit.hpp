@@ -13,7 +13,7 @@ namespace trigrain {
 /// ask.
 class ContactStepLimit {
  public:
-  double of(const Particles& particles, const ContactParameters& law, const ContactList& contacts, Team& team,
+  double of(const Particles& particles, const ContactParameters& law, ContactList& contacts, Team& team,
             int most_rounds = 200);
 
  private:

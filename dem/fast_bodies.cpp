@@ -21,10 +21,4 @@ std::vector<double> seen_within(const Particles& p) {
   return within;
 }
 
-double turning_speed(const Particles& p, int i) {
-  return p.is_sphere(i) ? 0 : p.angular_velocity(i).norm() * p.radius[i];
-}
-
-double fastest_point(const Particles& p, int i) { return p.fixed(i) ? 0 : p.velocity[i].norm() + turning_speed(p, i); }
-
 } // namespace trigrain

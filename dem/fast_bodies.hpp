@@ -9,9 +9,13 @@ namespace trigrain {
 std::vector<double> seen_within(const Particles& particles);
 
 /// No point of body i is faster than this about its centre (m/s).
-double turning_speed(const Particles& particles, int i);
+inline double turning_speed(const Particles& p, int i) {
+  return p.is_sphere(i) ? 0 : p.angular_velocity(i).norm() * p.radius[i];
+}
 
 /// No point of body i is faster than this (m/s); 0 for fixed bodies.
-double fastest_point(const Particles& particles, int i);
+inline double fastest_point(const Particles& p, int i) {
+  return p.fixed(i) ? 0 : p.velocity[i].norm() + turning_speed(p, i);
+}
 
 } // namespace trigrain

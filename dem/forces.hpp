@@ -7,10 +7,6 @@
 
 namespace trigrain {
 
-/// The springs of a body pair's contacts: those of the same contacts in the last step, or new ones. All are sorted by
-/// (feature_a, feature_b).
-void carry_springs(std::span<const HeldSpring> last, std::span<const Contact> contacts, std::span<HeldSpring> springs);
-
 /// Normal force max(0, spring + dashpot) of the contacts' law, never attractive; tangential spring and dashpot, capped
 /// at mu times the normal force. Sets what follows the touch in `contacts`, and moves their `springs` on by step_s (s).
 /// `spin`: angular velocity of each body (rad/s).

@@ -1,6 +1,7 @@
 #include "dem/kept_pairs.hpp"
 #include "dem/vectors.hpp"
 #include "kernels/name_table.hpp"
+#include <algorithm>
 
 namespace trigrain {
 
@@ -30,7 +31,16 @@ void KeptPair::keep_triangles(const Hits& hits, std::span<const int> number_b) {
   }
 }
 
-KeptPair& KeptPairs::of(BodyPair pair, const Particles& particles) {
+void NearTriangles::keep(std::span<const int> triangles, const Eigen::Vector3d& centre, double room_m) {
+  const int count = static_cast<int>(triangles.size());
+  if (count > few && count > room_for_) many_ = std::make_unique<int[]>(room_for_ = 2 * count);
+  std::copy(triangles.begin(), triangles.end(), count > few ? many_.get() : few_.data());
+  count_ = count;
+  centre_ = centre;
+  room_ = room_m;
+}
+
+template <class Kept> Kept& PairMemory<Kept>::of(BodyPair pair, const Particles& particles) {
   Owner& owner = owners_[particles.smaller(pair.a, pair.b)];
   while (owner.busy.test_and_set(std::memory_order_acquire)) {
   }
@@ -58,6 +68,9 @@ KeptPair& KeptPairs::of(BodyPair pair, const Particles& particles) {
   owner.busy.clear(std::memory_order_release);
   return found->pairs[at];
 }
+
+template class PairMemory<KeptPair>;
+template class PairMemory<NearTriangles>;
 
 std::unique_ptr<KeptPairs> kept_pairs_for(const std::string& triangle_search, const Kernel& kernel,
                                           const Particles& particles) {

@@ -1,19 +1,26 @@
 #include "dem/motion.hpp"
+#include "dem/vectors.hpp"
+#include "kernels/triangle_pair.hpp"
+#include <array>
 #include <cmath>
+#include <span>
 
 namespace trigrain {
 namespace {
 
 /// sin(x) / x and cos(x) from x2 = x^2. A step turns a body by small angles: there the series is exact to round-off and
 /// far cheaper.
-void sin_cos(double x2, double& sin_by_x, double& cos) {
-  if (x2 < .03 * .03) { // next terms x^8 / 9! and x^8 / 8!: 2e-18 and 2e-17
-    sin_by_x = 1 - x2 * (1 / 6. - x2 * (1 / 120. - x2 * (1 / 5040.)));
-    cos = 1 - x2 * (1 / 2. - x2 * (1 / 24. - x2 * (1 / 720.)));
-  } else {
-    const double x = std::sqrt(x2);
-    sin_by_x = std::sin(x) / x;
-    cos = std::cos(x);
+template <class T> void sin_cos(const T& x2, T& sin_by_x, T& cos) {
+  // next terms x^8 / 9! and x^8 / 8!: 2e-18 and 2e-17
+  sin_by_x = T(1) - x2 * (T(1 / 6.) - x2 * (T(1 / 120.) - x2 * T(1 / 5040.)));
+  cos = T(1) - x2 * (T(1 / 2.) - x2 * (T(1 / 24.) - x2 * T(1 / 720.)));
+  const auto wide = x2 >= T(.03 * .03);
+  if (none_of(wide)) return;
+  for (int lane = 0; lane < lanes_of<T>; ++lane) {
+    if (!lane_set(wide, lane)) continue;
+    const double x = std::sqrt(lane_of(x2, lane));
+    set_lane(sin_by_x, lane, std::sin(x) / x);
+    set_lane(cos, lane, std::cos(x));
   }
 }
 
@@ -47,24 +54,45 @@ void turn_free_top(Eigen::Quaterniond& q, const Eigen::Vector3d& momentum, const
   q.normalize();
 }
 
-/// A sphere turns about its momentum, exactly.
-void turn_sphere(Eigen::Quaterniond& q, const Eigen::Vector3d& momentum, double inertia, double t) {
-  const Eigen::Vector3d half = t / (2 * inertia) * momentum;
-  double s, c;
-  sin_cos(half.squaredNorm(), s, c);
-  Eigen::Quaterniond by;
-  by.w() = c;
-  by.vec() = s * half;
-  q = by * q;
-  q.coeffs() *= 1.5 - q.squaredNorm() / 2; // a unit again: Newton's step for the root, right to (rounding)^2
+/// Up to lane_count spheres turn about their momentum for time t, exactly.
+[[gnu::flatten]] void turn_spheres(Particles& p, std::span<const int> spheres, double t) {
+  const int count = static_cast<int>(spheres.size());
+  const LanesFrom<int> each = lanes_from(spheres.data(), count);
+  const auto coefficient = [&](int k) { return gather(each, [&](int i) { return p.orientation[i].coeffs()[k]; }); };
+  const Vec3<Lanes> v{coefficient(0), coefficient(1), coefficient(2)};
+  const Lanes w = coefficient(3), inertia = gather(each, [&](int i) { return p.inertia[i].x(); });
+  const Vec3<Lanes> half = Lanes(t / 2) / inertia *
+                           gather_vectors(
+                               each, [&](int i) -> auto& { return p.angular_momentum[i]; });
+  const Lanes x2 = squared(half);
+  Lanes s, c;
+  sin_cos(x2, s, c);
+  const Vec3<Lanes> by = s * half; // with c: the turn, times v with w
+  Vec3<Lanes> turned = c * v + w * by + cross(by, v);
+  Lanes turned_w = c * w - dot(by, v);
+  const Lanes unit = Lanes(1.5) - (squared(turned) + turned_w * turned_w) / Lanes(2); // Newton's step for the root,
+  turned = unit * turned, turned_w = unit * turned_w;                                 // right to (rounding)^2
+  scatter(turned, count, [&](int i, const Eigen::Vector3d& x) { p.orientation[spheres[i]].vec() = x; });
+  scatter(turned_w, count, [&](int i, double x) { p.orientation[spheres[i]].w() = x; });
 }
 
-/// Body i without any torque for time t.
-void turn_freely(Particles& p, int i, double t) {
-  if (p.is_sphere(i))
-    turn_sphere(p.orientation[i], p.angular_momentum[i], p.inertia[i].x(), t);
-  else
-    turn_free_top(p.orientation[i], p.angular_momentum[i], p.inertia[i], t);
+/// Bodies [begin, end) without any torque for time t.
+void turn_freely(Particles& p, double t, int begin, int end) {
+  std::array<int, lane_count> spheres;
+  int count = 0;
+  const auto turn_those = [&] {
+    if (count > 0) turn_spheres(p, std::span(spheres).first(count), t);
+    count = 0;
+  };
+  for (int i = begin; i < end; ++i) {
+    if (p.fixed(i)) continue;
+    if (p.is_sphere(i))
+      spheres[count++] = i;
+    else
+      turn_free_top(p.orientation[i], p.angular_momentum[i], p.inertia[i], t);
+    if (count == lane_count) turn_those();
+  }
+  turn_those();
 }
 
 } // namespace
@@ -75,8 +103,8 @@ void integrate(Particles& p, const Loads& loads, const Eigen::Vector3d& gravity,
     p.velocity[i] += step.kick() * (gravity + p.inverse_mass[i] * loads.force[i]);
     p.position[i] += step.now * p.velocity[i];
     p.angular_momentum[i] += step.kick() * loads.torque[i];
-    turn_freely(p, i, step.now);
   }
+  turn_freely(p, step.now, begin, end);
 }
 
 double kinetic_energy(const Particles& p) {
@@ -98,9 +126,10 @@ Particles centred(const Particles& after_step, const Loads& loads, const Eigen::
     if (p.fixed(i)) continue;
     p.position[i] -= step_s * p.velocity[i];
     p.velocity[i] -= step_s / 2 * (gravity + p.inverse_mass[i] * loads.force[i]);
-    turn_freely(p, i, -step_s);
-    p.angular_momentum[i] -= step_s / 2 * loads.torque[i];
   }
+  turn_freely(p, -step_s, 0, p.size());
+  for (int i = 0; i < p.size(); ++i)
+    if (!p.fixed(i)) p.angular_momentum[i] -= step_s / 2 * loads.torque[i];
   return p;
 }
 

@@ -4,6 +4,7 @@
 #include "kernels/placement.hpp"
 #include "kernels/sphere.hpp"
 #include <algorithm>
+#include <cmath>
 
 namespace trigrain {
 namespace {
@@ -38,28 +39,18 @@ void reduce(const Particles& particles, std::size_t first, const NarrowPhase& na
   if (buffer.contacts.size() > first) narrow.rule->reduce(particles, buffer.contacts, first);
 }
 
-/// Two spheres touch at one point, whatever the contact rule.
+double gap_of_spheres(const Particles& p, BodyPair pair) {
+  return (p.position[pair.b] - p.position[pair.a]).norm() - p.radius[pair.a] - p.radius[pair.b];
+}
+
+/// Two spheres touch at one point, whatever the contact rule: touch_of_spheres().
 void collide_spheres(const Particles& p, BodyPair pair, WorkerBuffer& buffer) {
-  const auto [a, b] = pair;
-  const Vector3d ab = p.position[b] - p.position[a];
-  const double centres = ab.norm(), gap = centres - p.radius[a] - p.radius[b];
+  const double gap = gap_of_spheres(p, pair);
   if (gap >= buffer.reach) return;
-  if (gap <= 0) {
+  if (gap <= 0)
     ++buffer.crossings;
-    return;
-  }
-  const Vector3d normal = -ab / centres;
-  const double overlap = buffer.reach - gap;
-  buffer.found.push_back({a, b, static_cast<int>(buffer.contacts.size()), 1});
-  buffer.contacts.push_back({.a = a,
-                             .b = b,
-                             .feature_a = 0,
-                             .feature_b = 0,
-                             .point = p.position[a] - (p.radius[a] + p.contact_place(a, b) * gap) * normal,
-                             .normal = normal,
-                             .overlap = overlap,
-                             .mass = 1 / (p.inverse_mass[a] + p.inverse_mass[b]),
-                             .push = overlap * normal});
+  else
+    buffer.found.push_back({pair.a, pair.b, FoundPair::of_spheres, 1});
 }
 
 MeshView view_of(const Particles& p, int body) { return {p.mesh[body]->triangles.view(), &p.mesh[body]->octree}; }
@@ -72,73 +63,90 @@ double rounding_of(const Particles& p, BodyPair pair, const Vector3d& centre) {
   return 1e-12 * (p.radius[pair.a] + p.radius[pair.b] + centre.norm());
 }
 
+// --- spheres and meshes: their triangles are looked at together, a pack at a time
+
 /// The triangles near a sphere whose centre (m) is given in the frame of the mesh: those kept, or else those that a
 /// search finds.
 std::span<const int> near_sphere(const Particles& particles, BodyPair pair, int sphere, int body,
                                  const Vector3d& centre, const NarrowPhase& narrow, WorkerBuffer& buffer) {
-  KeptPair& near = narrow.kept_pairs ? narrow.kept_pairs->of(pair, particles) : buffer.kept_pair;
-  if (!narrow.kept_pairs || !near.is_complete(centre)) {
-    ++buffer.searched_pairs;
-    const MeshView mesh = view_of(particles, body);
-    const double margin = margin_of(narrow, buffer.reach), far = particles.radius[sphere] + buffer.reach + margin;
-    narrow.precheck->triangles(mesh, vec3(centre), far, near.triangles_b);
-    if (narrow.kept_pairs) // pre-checks let some pass, which would be looked at in many steps
-      std::erase_if(near.triangles_b,
-                    [&](int i) { return closest_point(vec3(centre), mesh.triangles[i]).distance2 > far * far; });
-    near.keep(centre, margin - rounding_of(particles, pair, centre));
-  }
-  return near.triangles_b;
+  NearTriangles* const kept = narrow.kept_pairs ? &narrow.kept_pairs->of_spheres.of(pair, particles) : nullptr;
+  if (kept && kept->is_complete(centre)) return kept->triangles();
+  ++buffer.searched_pairs;
+  const MeshView mesh = view_of(particles, body);
+  const double margin = margin_of(narrow, buffer.reach), far = particles.radius[sphere] + buffer.reach + margin;
+  narrow.precheck->triangles(mesh, vec3(centre), far, buffer.found_triangles);
+  if (!kept) return buffer.found_triangles;
+  std::erase_if(buffer.found_triangles, // pre-checks let some pass, which would be looked at in many steps
+                [&](int i) { return closest_point(vec3(centre), mesh.triangles[i]).distance2 > far * far; });
+  kept->keep(buffer.found_triangles, centre, margin - rounding_of(particles, pair, centre));
+  return kept->triangles();
 }
 
-/// Of each piece of a mesh the point nearest to a sphere that does not cross it.
-void note_nearest(const Mesh& mesh, WorkerBuffer::NearPoint point, std::vector<WorkerBuffer::NearPoint>& nearest) {
-  for (WorkerBuffer::NearPoint& other : nearest) {
-    if (mesh.part[other.triangle] != mesh.part[point.triangle]) continue;
-    if (point.at.distance2 < other.at.distance2) other = point;
-    return;
-  }
-  nearest.push_back(point);
-}
-
-/// Every triangle closer to the sphere than reach, or of each piece the closest, found in the frame of the mesh.
-void collide_sphere_mesh(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer) {
-  const bool sphere_is_a = particles.is_sphere(pair.a);
-  const int sphere = sphere_is_a ? pair.a : pair.b, body = sphere_is_a ? pair.b : pair.a;
-  const Mesh& mesh = *particles.mesh[body];
-  const TrianglesView triangles = mesh.triangles.view();
-  const double r = particles.radius[sphere], place = particles.contact_place(body, sphere);
+/// Notes the triangles of a mesh that are near a sphere.
+void note_near_triangles(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer) {
+  const auto [sphere, body] = particles.is_sphere(pair.a) ? std::pair(pair.a, pair.b) : std::pair(pair.b, pair.a);
   const Vector3d centre = particles.to_body(body, particles.position[sphere]);
+  const TrianglesView triangles = particles.mesh[body]->triangles.view();
+  const Vec3<double> c = vec3(centre);
+  const int first = buffer.near_triangles.size();
+  for (const int i : near_sphere(particles, pair, sphere, body, centre, narrow, buffer)) {
+    const Triangle t = triangles[i];
+    buffer.near_triangles.push_back({t.a0 - c, t.a1 - c, t.a2 - c});
+    buffer.near_numbers.push_back(i);
+  }
+  const int count = buffer.near_triangles.size() - first;
+  if (count > 0) buffer.near_meshes.push_back({pair, first, count});
+}
+
+/// Contacts of a sphere with every triangle closer than reach, or with the closest of each piece of the mesh.
+void collide_sphere_mesh(const Particles& particles, const WorkerBuffer::NearMesh& near, const NarrowPhase& narrow,
+                         WorkerBuffer& buffer) {
+  const BodyPair pair = near.pair;
+  const bool sphere_is_a = particles.is_sphere(pair.a), one_per_piece = narrow.rule->one_per_piece;
+  const int sphere = sphere_is_a ? pair.a : pair.b, body = sphere_is_a ? pair.b : pair.a;
+  const double r = particles.radius[sphere], place = particles.contact_place(body, sphere),
+               reach = particles.halo[sphere] + particles.halo[body];
   const std::size_t first = buffer.contacts.size();
-  const auto add = [&](const WorkerBuffer::NearPoint& near) {
-    const Vector3d to_centre = particles.orientation[body] * (centre - eigen(near.at.point));
-    const double distance = to_centre.norm(), gap = distance - r;
-    if (gap >= buffer.reach) return;
+  for (int k = near.first; k < near.first + near.count; ++k) {
+    const PointOnTriangle& at = buffer.near_points[k];
+    const double distance = std::sqrt(at.distance2), gap = distance - r;
+    if (gap >= reach) continue;
     if (gap <= 0) {
       ++buffer.crossings;
-      return;
+      continue;
     }
-    const Vector3d normal = 1 / distance * to_centre; // towards the sphere
-    const Vector3d point = particles.position[sphere] - to_centre + place * gap * normal;
-    const double overlap = buffer.reach - gap;
-    if (sphere_is_a)
-      buffer.contacts.push_back({pair.a, pair.b, 0, near.triangle, point, normal, overlap});
-    else
-      buffer.contacts.push_back({pair.a, pair.b, near.triangle, 0, point, -normal, overlap});
-  };
-  buffer.nearest.clear();
-  for (const int i : near_sphere(particles, pair, sphere, body, centre, narrow, buffer)) {
-    ++buffer.kernel.triangle_pairs;
-    const WorkerBuffer::NearPoint near{i, closest_point(vec3(centre), triangles[i])};
-    if (!narrow.rule->one_per_piece)
-      add(near);
-    else if (near.at.distance2 > r * r)
-      note_nearest(mesh, near, buffer.nearest);
-    else
-      ++buffer.crossings;
+    const int number = buffer.near_numbers[k], feature = one_per_piece ? particles.mesh[body]->part[number] : number,
+              a = sphere_is_a ? 0 : feature, b = sphere_is_a ? feature : 0;
+    const Vector3d to_centre = particles.orientation[body] * eigen(-1. * at.point), normal = to_centre / distance;
+    const Touch touch{pair.a,
+                      pair.b,
+                      a,
+                      b,
+                      particles.position[sphere] - to_centre + place * gap * normal,
+                      sphere_is_a ? normal : (-normal).eval(),
+                      reach - gap};
+    const auto own = std::span(buffer.contacts).subspan(first);
+    const auto same = std::ranges::find_if(own, [&](const Touch& t) { return t.feature_a == a && t.feature_b == b; });
+    if (same == own.end())
+      buffer.contacts.push_back(touch);
+    else if (touch.overlap > same->overlap)
+      *same = touch;
   }
-  for (const WorkerBuffer::NearPoint& near : buffer.nearest) add(near);
-  reduce(particles, first, narrow, buffer);
+  if (buffer.contacts.size() == first) return;
+  if (one_per_piece)
+    settle_pieces(particles, std::span(buffer.contacts).subspan(first));
+  else
+    reduce(particles, first, narrow, buffer);
   book(pair, first, buffer);
+}
+
+/// Contacts of all spheres with the meshes whose triangles are noted.
+void collide_noted(const Particles& particles, const NarrowPhase& narrow, WorkerBuffer& buffer) {
+  if (buffer.near_meshes.empty()) return;
+  buffer.kernel.triangle_pairs += buffer.near_triangles.size();
+  closest_to_origin(buffer.near_triangles.view(), buffer.near_points);
+  for (const WorkerBuffer::NearMesh& near : buffer.near_meshes) collide_sphere_mesh(particles, near, narrow, buffer);
+  buffer.near_meshes.clear(), buffer.near_numbers.clear(), buffer.near_triangles.clear();
 }
 
 /// The kernel on triangle pairs of two bodies, `b` in the frame of A; appended to `hits`.
@@ -268,7 +276,7 @@ SplitPair* collide_meshes(const Particles& particles, BodyPair pair, const Narro
                           SplitPairs* split) {
   const RelativePose pose = relative_pose(particles, pair);
   if (!narrow.kept_pairs) return search(particles, pair, pose, narrow, buffer.kept_pair, buffer, split);
-  KeptPair& near = narrow.kept_pairs->of(pair, particles);
+  KeptPair& near = narrow.kept_pairs->of_meshes.of(pair, particles);
   if (!near.is_complete(pose, std::min(particles.radius[pair.a], particles.radius[pair.b])))
     return search(particles, pair, pose, narrow, near, buffer, split);
   look_again(particles, pair, pose, narrow, near, buffer);
@@ -276,6 +284,21 @@ SplitPair* collide_meshes(const Particles& particles, BodyPair pair, const Narro
 }
 
 } // namespace
+
+void touch_of_spheres(const Particles& p, BodyPair pair, Touch& touch) {
+  const auto [a, b] = pair;
+  const Vector3d ab = p.position[b] - p.position[a];
+  const double centres = ab.norm(), gap = centres - p.radius[a] - p.radius[b];
+  touch.a = a, touch.b = b;
+  touch.feature_a = touch.feature_b = 0;
+  touch.overlap = p.halo[a] + p.halo[b] - gap;
+  touch.normal = -1 / centres * ab;
+  touch.point = p.position[a] - (p.radius[a] + p.contact_place(a, b) * gap) * touch.normal;
+  touch.share = 1;
+  touch.mass = 1 / (p.inverse_mass[a] + p.inverse_mass[b]);
+  touch.push = touch.overlap * touch.normal;
+  touch.couple = Vector3d::Zero();
+}
 
 void WorkerBuffer::clear() {
   const std::size_t likely = contacts.size() + contacts.size() / 8; // ahead of need: when it comes, vectors double
@@ -286,16 +309,19 @@ void WorkerBuffer::clear() {
   kernel = {};
 }
 
-SplitPair* collide(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer,
-                   SplitPairs* split) {
-  buffer.reach = particles.halo[pair.a] + particles.halo[pair.b];
-  const bool sphere_a = particles.is_sphere(pair.a), sphere_b = particles.is_sphere(pair.b);
-  if (!sphere_a && !sphere_b) return collide_meshes(particles, pair, narrow, buffer, split);
-  if (sphere_a && sphere_b)
-    collide_spheres(particles, pair, buffer);
-  else
-    collide_sphere_mesh(particles, pair, narrow, buffer);
-  return nullptr;
+void collide(const Particles& particles, std::span<const BodyPair> pairs, const NarrowPhase& narrow,
+             WorkerBuffer& buffer, SplitPairs* split, FunctionRef<void(SplitPair&)> on_split) {
+  for (const BodyPair pair : pairs) {
+    buffer.reach = particles.halo[pair.a] + particles.halo[pair.b];
+    const bool sphere_a = particles.is_sphere(pair.a), sphere_b = particles.is_sphere(pair.b);
+    if (sphere_a && sphere_b)
+      collide_spheres(particles, pair, buffer);
+    else if (sphere_a || sphere_b)
+      note_near_triangles(particles, pair, narrow, buffer);
+    else if (SplitPair* const handed_over = collide_meshes(particles, pair, narrow, buffer, split))
+      on_split(*handed_over);
+  }
+  collide_noted(particles, narrow, buffer);
 }
 
 void solve_part(const Particles& particles, SplitPair& split, int part, const NarrowPhase& narrow,

@@ -2,6 +2,7 @@
 #include "dem/contact_rule.hpp"
 #include "dem/kept_pairs.hpp"
 #include "dem/pair_source.hpp"
+#include "dem/runtime.hpp"
 #include "kernels/precheck.hpp"
 #include "kernels/sphere.hpp"
 #include <atomic>
@@ -17,14 +18,18 @@ struct NarrowPhase {
   const Kernel* kernel;
   const Precheck* precheck;
   const ContactRule* rule;
-  KeptPairs* kept_pairs; ///< what meshes have near each other; null: they are searched in every step
+  KeptPairs* kept_pairs; ///< what bodies have near each other; null: they are searched in every step
 };
 
-/// A body pair that touches: its contacts are [first, first + count) of a worker's.
+/// A body pair that touches: its contacts are [first, first + count) of a worker's. Two spheres have one that
+/// touch_of_spheres() tells, which is cheaper than to keep it.
 struct FoundPair {
+  static constexpr int of_spheres = -1; ///< first
   int a, b;
   int first, count;
 };
+/// Sets all of `touch`.
+void touch_of_spheres(const Particles& particles, BodyPair pair, Touch& touch);
 
 /// A body pair whose triangle pairs are many: any worker may solve any part of them, the last one makes the contacts.
 struct SplitPair {
@@ -58,23 +63,29 @@ struct alignas(128) WorkerBuffer {
   double reach = 0; ///< of the pair at hand: sum of its halos (m)
   std::vector<BodyPair> pairs;
   Candidates candidates;
-  struct NearPoint { ///< of a sphere to a mesh
-    int triangle;
-    PointOnTriangle at;
-  };
-  std::vector<NearPoint> nearest; ///< of each piece of the mesh
   Hits hits;
   NearFaces near_faces_a, near_faces_b;
   KeptPair kept_pair; ///< of a pair that is not kept
 
+  struct NearMesh { ///< of a sphere: its triangles that are near are [first, first + count)
+    BodyPair pair;
+    int first, count;
+  };
+  std::vector<NearMesh> near_meshes;        ///< whose contacts are still to be found
+  std::vector<int> near_numbers;            ///< of their triangles, in the meshes
+  Triangles near_triangles;                 ///< seen from the spheres' centres, in the frames of the meshes (m)
+  std::vector<PointOnTriangle> near_points; ///< of those triangles
+  std::vector<int> found_triangles;         ///< near the sphere at hand
+
   void clear();
 };
 
-/// Finds the contacts of one body pair and appends them to the buffer. Crossing surfaces have no normal: they are
-/// counted and give no contact. If it has more triangle pairs than one part, and `split` is given, the pair is left
-/// there for solve_part() instead, and returned.
-SplitPair* collide(const Particles& particles, BodyPair pair, const NarrowPhase& narrow, WorkerBuffer& buffer,
-                   SplitPairs* split = nullptr);
+/// Finds the contacts of body pairs and appends them to the buffer. Crossing surfaces have no normal: they are counted
+/// and give no contact. If a pair has more triangle pairs than one part, and `split` is given, it is left there for
+/// solve_part() instead, and on_split is told.
+void collide(
+    const Particles& particles, std::span<const BodyPair> pairs, const NarrowPhase& narrow, WorkerBuffer& buffer,
+    SplitPairs* split = nullptr, FunctionRef<void(SplitPair&)> on_split = [](SplitPair&) {});
 
 /// Solves one of split.parts; the last of them to end appends the contacts to its worker's buffer.
 void solve_part(const Particles& particles, SplitPair& split, int part, const NarrowPhase& narrow,

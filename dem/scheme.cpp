@@ -5,17 +5,24 @@
 namespace trigrain {
 namespace {
 
-/// Candidate pairs of one entry that survive the body pre-check, in buffer.pairs.
-void surviving_pairs(const Detection& d, int entry, WorkerBuffer& buffer) {
+constexpr int entries_at_once = 16; // small beside any scene, large beside handing out
+
+/// Candidate pairs of entries [begin, end) that survive the body pre-check.
+std::span<const BodyPair> surviving_pairs(const Detection& d, int begin, int end, WorkerBuffer& buffer) {
   buffer.pairs.clear();
   const Sieve sieve = d.narrow.precheck->spheres ? Sieve::spheres : Sieve::none;
-  buffer.candidate_pairs += d.source.pairs_of(entry, d.particles, sieve, buffer.pairs);
+  for (int entry = begin; entry < end; ++entry)
+    buffer.candidate_pairs += d.source.pairs_of(entry, d.particles, sieve, buffer.pairs);
   buffer.body_pairs += static_cast<std::int64_t>(buffer.pairs.size());
+  return buffer.pairs;
 }
 
-/// Compares a pair, or leaves it split in the worker's pool and returns it.
-SplitPair* compare(const Detection& d, BodyPair pair, int worker) {
-  return collide(d.particles, pair, d.narrow, d.buffers[worker], d.layers.triangle ? &d.pools[worker].splits : nullptr);
+/// Compares pairs; those that are split stay in the worker's pool.
+void compare(
+    const Detection& d, std::span<const BodyPair> pairs, int worker,
+    FunctionRef<void(SplitPair&)> on_split = [](SplitPair&) {}) {
+  collide(d.particles, pairs, d.narrow, d.buffers[worker], d.layers.triangle ? &d.pools[worker].splits : nullptr,
+          on_split);
 }
 
 // --- loops: one layer after the other
@@ -28,13 +35,14 @@ void loop(Team& team, bool shared, int count, int grain, RangeBody body) {
     body(0, count, 0);
 }
 
-/// Calls visit(pool, index) for items [begin, end) of all pools' items in turn; count_of(pool) says how many it has.
+/// Calls visit(pool, begin, end) for the pools that hold items [begin, end), numbered through; count_of(pool) says how
+/// many one has.
 template <class Count, class Visit>
 void for_items(std::vector<TaskPool>& pools, int begin, int end, const Count& count_of, const Visit& visit) {
   int first = 0;
   for (TaskPool& pool : pools) {
-    const int count = count_of(pool);
-    for (int i = std::max(begin, first); i < std::min(end, first + count); ++i) visit(pool, i - first);
+    const int count = count_of(pool), from = std::max(begin, first), to = std::min(end, first + count);
+    if (from < to) visit(pool, from - first, to - first);
     first += count;
   }
 }
@@ -60,27 +68,29 @@ void solve_numbered_part(const Detection& d, TaskPool& pool, int part, int worke
 
 /// Serial and plain: vertices, then the pairs of all vertices if they are a layer, then the parts of all split pairs.
 void share_loops(const Detection& d, Team& team) {
-  constexpr int entries_at_once = 16, pairs_at_once = 16; // small beside any scene, large beside handing out
+  constexpr int pairs_at_once = 16;
   for (TaskPool& pool : d.pools) pool.clear();
   loop(team, d.layers.grid, d.source.entries(), entries_at_once, [&](int begin, int end, int worker) {
-    WorkerBuffer& buffer = d.buffers[worker];
-    for (int entry = begin; entry < end; ++entry) {
-      surviving_pairs(d, entry, buffer);
+    for (int first = begin; first < end; first += entries_at_once) {
+      const std::span pairs = surviving_pairs(d, first, std::min(end, first + entries_at_once), d.buffers[worker]);
       if (d.layers.particle)
-        d.pools[worker].pairs.insert(d.pools[worker].pairs.end(), buffer.pairs.begin(), buffer.pairs.end());
+        d.pools[worker].pairs.insert(d.pools[worker].pairs.end(), pairs.begin(), pairs.end());
       else
-        for (const BodyPair pair : buffer.pairs) compare(d, pair, worker);
+        compare(d, pairs, worker);
     }
   });
   const auto pairs_of = [](const TaskPool& pool) { return static_cast<int>(pool.pairs.size()); };
   if (d.layers.particle)
     team.parallel_for(total(d.pools, pairs_of), pairs_at_once, [&](int begin, int end, int worker) {
-      for_items(d.pools, begin, end, pairs_of, [&](TaskPool& pool, int i) { compare(d, pool.pairs[i], worker); });
+      for_items(d.pools, begin, end, pairs_of, [&](TaskPool& pool, int from, int to) {
+        compare(d, std::span(pool.pairs).subspan(from, to - from), worker);
+      });
     });
   if (d.layers.triangle)
     team.parallel_for(total(d.pools, parts_of), 1, [&](int begin, int end, int worker) {
-      for_items(d.pools, begin, end, parts_of,
-                [&](TaskPool& pool, int part) { solve_numbered_part(d, pool, part, worker); });
+      for_items(d.pools, begin, end, parts_of, [&](TaskPool& pool, int from, int to) {
+        for (int part = from; part < to; ++part) solve_numbered_part(d, pool, part, worker);
+      });
     });
 }
 
@@ -93,16 +103,14 @@ int cost_of(const Particles& p, BodyPair pair) {
 }
 
 void compare_and_spawn(const Detection& d, std::span<const BodyPair> pairs, int worker, Spawn spawn) {
-  for (const BodyPair pair : pairs) {
-    SplitPair* split = compare(d, pair, worker);
-    if (!split) continue;
-    for (int part = 0; part < split->parts; ++part) {
+  compare(d, pairs, worker, [&](SplitPair& split) {
+    for (int part = 0; part < split.parts; ++part) {
       DetectTask& task = d.pools[worker].next(Piece::part);
-      task.split = split;
+      task.split = &split;
       task.part = part;
       spawn(task);
     }
-  }
+  });
 }
 
 /// Traverses entries; their comparisons become tasks of about equal cost if pairs are a layer.
@@ -110,13 +118,13 @@ void traverse(const Detection& d, int begin, int end, int worker, Spawn spawn) {
   constexpr int task_cost = 5000; // triangles: 20 to 200 us, by kernel and by how many pairs touch
   DetectTask* task = nullptr;
   int cost = 0;
-  for (int entry = begin; entry < end; ++entry) {
-    surviving_pairs(d, entry, d.buffers[worker]);
+  for (int first = begin; first < end; first += entries_at_once) {
+    const std::span pairs = surviving_pairs(d, first, std::min(end, first + entries_at_once), d.buffers[worker]);
     if (!d.layers.particle) {
-      compare_and_spawn(d, d.buffers[worker].pairs, worker, spawn);
+      compare_and_spawn(d, pairs, worker, spawn);
       continue;
     }
-    for (const BodyPair pair : d.buffers[worker].pairs) {
+    for (const BodyPair pair : pairs) {
       if (!task) task = &d.pools[worker].next(Piece::compare);
       task->pairs.push_back(pair);
       cost += cost_of(d.particles, pair);
@@ -132,16 +140,16 @@ void traverse(const Detection& d, int begin, int end, int worker, Spawn spawn) {
 /// Producer-consumer: traversals spawn comparisons, and these the parts of split pairs; who is idle takes them. Without
 /// the grid as a layer one thread traverses, as published. One join at the end.
 void spawn_tasks(const Detection& d, Team& team) {
-  const int entries = d.source.entries(), entries_at_once = d.layers.particle ? 128 : 16;
+  const int entries = d.source.entries(), entries_of_task = (d.layers.particle ? 32 : 1) * entries_at_once;
   for (TaskPool& pool : d.pools) pool.clear();
   TaskPool& first = d.pools.back();
   if (!d.layers.grid)
     first.next(Piece::traverse).end = entries;
   else
-    for (int begin = 0; begin < entries; begin += entries_at_once) {
+    for (int begin = 0; begin < entries; begin += entries_of_task) {
       DetectTask& task = first.next(Piece::traverse);
       task.begin = begin;
-      task.end = std::min(entries, begin + entries_at_once);
+      task.end = std::min(entries, begin + entries_of_task);
     }
   const int traversals = first.used;
   const auto producer = [&](Spawn spawn) {

@@ -17,7 +17,8 @@
 namespace trigrain {
 namespace {
 
-constexpr int grain = 64; // body pairs or bodies a worker takes at a time
+// What a worker takes at a time:
+constexpr int pair_grain = 64, turn_grain = 256, cheap_grain = 512; // some 100, 50 and 5 ns each
 
 /// A phase of a step: adds the wall time of the scope, and tells who observes.
 class PhaseScope {
@@ -127,7 +128,8 @@ struct Simulation::State {
   void detect(StepStats& stats);
   void merge(StepStats& stats);
   void forces(StepStats& stats);
-  void add_loads_of(int body, Loads& old);
+  void add_to_both(const Reaction& reaction);
+  void add_reactions_to(int body);
   void settle_budget(const KickSums& kick);
   /// The part of a step (s) in which a contact may begin.
   double blind_step() const { return control.guards_gaps ? std::min(step.now, scene.time.step) : step.now; }
@@ -162,35 +164,42 @@ void Simulation::State::merge(StepStats& stats) {
 void Simulation::State::forces(StepStats& stats) {
   motion.resize(particles.size());
   std::vector<Eigen::Vector3d>& spin = motion.angular_velocity; // until the loads are known
-  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
-    for (int body = begin; body < end; ++body) spin[body] = particles.angular_velocity(body);
-  });
-  team.parallel_for(contacts.pairs(), grain, [&](int begin, int end, int) {
-    for (int pair = begin; pair < end; ++pair) {
-      contacts.fetch(pair + 6, buffers, particles);
-      const std::span<Contact> own = contacts.lay_out(pair, buffers);
-      const std::span<HeldSpring> springs = contacts.springs_of(pair);
-      carry_springs(contacts.last_of_pair(pair), own, springs);
-      contact_forces(particles, spin, law, scene.contact, step.now, own, springs);
-      contacts.set_reaction(pair, reaction_of(particles, own));
-    }
-  });
   pushed = has_next_loads;
   if (has_next_loads) {
     std::swap(loads, next_loads);
     outside = loads;
   }
   Loads& old = has_next_loads ? next_loads : loads; // what was added from outside stays
+  has_next_loads = false;
+  team.parallel_for(particles.size(), cheap_grain, [&](int begin, int end, int) {
+    for (int body = begin; body < end; ++body) {
+      spin[body] = particles.angular_velocity(body);
+      old.force[body] = old.torque[body] = Eigen::Vector3d::Zero();
+    }
+  });
+  const bool alone = team.threads() == 1; // then what a pair does to both of its bodies is added at once
+  if (!alone) contacts.list_others(particles, team);
+  team.parallel_for(contacts.pairs(), pair_grain, [&](int begin, int end, int) {
+    contacts.lay_out(begin, end, buffers, particles);
+    contact_forces(particles, spin, law, scene.contact, step.now, contacts.contacts_of(begin, end),
+                   contacts.springs_of(begin, end));
+    for (int pair = begin; pair < end; ++pair) {
+      const Reaction reaction = reaction_of(particles, contacts.contacts_of(pair, pair + 1));
+      if (alone)
+        add_to_both(reaction);
+      else
+        contacts.set_reaction(pair, reaction);
+    }
+  });
   KickSums kick = block_sum(team, particles.size(), sums, [&](int begin, int end, KickSums& sum) {
     for (int body = begin; body < end; ++body) {
-      add_loads_of(body, old);
+      if (!alone) add_reactions_to(body);
       sum.fast_bodies += watch.flies_blind(particles, body, blind_step());
     }
     motion.update(particles, loads, scene.gravity, step.kick(), begin, end);
     add_weight(particles, scene.gravity, step.kick(), begin, end, sum.budget);
     if (pushed) add_outside(particles, outside, motion, step.kick(), begin, end, sum.budget);
   });
-  has_next_loads = false;
   const std::span<const Contact> all = contacts.contacts();
   kick += block_sum(team, static_cast<int>(all.size()), sums, [&](int begin, int end, KickSums& sum) {
     add_contacts(all.subspan(begin, end - begin), particles, motion, step.kick(), sum);
@@ -199,9 +208,12 @@ void Simulation::State::forces(StepStats& stats) {
   watch.look(particles, scene.contact, contacts, kick, time, step.now, blind_step(), team, stats);
 }
 
-/// Clears `old` of the body and adds the forces of its contacts to its loads.
-void Simulation::State::add_loads_of(int body, Loads& old) {
-  old.force[body] = old.torque[body] = Eigen::Vector3d::Zero();
+void Simulation::State::add_to_both(const Reaction& reaction) {
+  if (!particles.fixed(reaction.a)) add_reaction(particles, reaction, true, loads);
+  if (!particles.fixed(reaction.b)) add_reaction(particles, reaction, false, loads);
+}
+
+void Simulation::State::add_reactions_to(int body) {
   if (!particles.fixed(body))
     contacts.for_reactions(body, [&](const Reaction& r) { add_reaction(particles, r, r.a == body, loads); });
 }
@@ -215,7 +227,7 @@ void Simulation::State::settle_budget(const KickSums& kick) {
 }
 
 void Simulation::State::integrate() {
-  team.parallel_for(particles.size(), grain, [&](int begin, int end, int) {
+  team.parallel_for(particles.size(), turn_grain, [&](int begin, int end, int) {
     trigrain::integrate(particles, loads, scene.gravity, step, begin, end);
   });
   time += step.now;

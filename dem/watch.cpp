@@ -4,7 +4,7 @@
 
 namespace trigrain {
 
-void Watch::look(const Particles& p, const ContactParameters& law, const ContactList& contacts, const KickSums& kick,
+void Watch::look(const Particles& p, const ContactParameters& law, ContactList& contacts, const KickSums& kick,
                  double time, double step, double blind, Team& team, StepStats& stats) {
   constexpr int rarely = 256, rounds = 30; // steps; a round costs about as much as the forces of a step
   stats.fast_bodies += kick.fast_bodies;

@@ -22,7 +22,7 @@ class Watch {
     return fastest_point(particles, body) * blind_s > within_[body];
   }
   /// Counts what the forces of a step of step_s (s), beginning at time_s (s), have found, and notes the first of each.
-  void look(const Particles& particles, const ContactParameters& law, const ContactList& contacts, const KickSums& kick,
+  void look(const Particles& particles, const ContactParameters& law, ContactList& contacts, const KickSums& kick,
             double time_s, double step_s, double blind_s, Team& team, StepStats& stats);
 
   const FastContact& first_fast_contact() const { return fast_contact_; } ///< a is -1 if there was none

@@ -180,6 +180,12 @@ template <class T> [[gnu::always_inline]] inline ScalarOf<T> lane_of(const T& x,
   else
     return x[lane];
 }
+template <class T> [[gnu::always_inline]] inline void set_lane(T& x, int lane, ScalarOf<T> to) {
+  if constexpr (!is_pack<T>)
+    x = to;
+  else
+    x[lane] = to;
+}
 template <class Mask> [[gnu::always_inline]] inline bool lane_set(const Mask& m, int lane) {
   if constexpr (std::is_same_v<Mask, bool>)
     return m;

@@ -39,6 +39,18 @@ Lanes box_distance2(const Corners<Lanes>& t) {
 
 } // namespace
 
+[[gnu::flatten]] void closest_to_origin(TrianglesView t, std::vector<PointOnTriangle>& points) {
+  points.resize(t.size);
+  for (int first = 0; first < t.size; first += lane_count) {
+    const Corners<Lanes> corners = load_corners(t, first);
+    const auto [v, w] = closest_on_triangle({Lanes(0), Lanes(0), Lanes(0)}, corners);
+    const Vec3<Lanes> point = corners[0] + v * (corners[1] - corners[0]) + w * (corners[2] - corners[0]);
+    const Lanes distance2 = squared(point);
+    for (int lane = 0; lane < std::min(lane_count, t.size - first); ++lane)
+      points[first + lane] = {{point.x[lane], point.y[lane], point.z[lane]}, distance2[lane]};
+  }
+}
+
 [[gnu::flatten]] void triangles_near_point(TrianglesView t, const Vec3<double>& centre, double reach,
                                            std::vector<int>& indices) {
   // What rounding can add to a distance, in units of the largest coordinate seen from the centre: corners, the point on

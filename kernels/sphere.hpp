@@ -27,6 +27,9 @@ struct PointOnTriangle {
 /// `point` has the gap sqrt(distance2) - r. Ericson (2005) 5.1.5.
 PointOnTriangle closest_point(const Vec3<double>& point, const Triangle& t);
 
+/// The same for each of many triangles and the origin, a pack at a time. Equal triangles get equal bits.
+void closest_to_origin(TrianglesView t, std::vector<PointOnTriangle>& points);
+
 /// Replaces `indices` by the triangles, ascending, whose distance from `centre` is at most `reach` (m): the contacts of
 /// a sphere with a mesh, and the pre-check of two meshes by the bounding sphere of one. Conservative: none is missed,
 /// and those further than reach + 32 epsilon E are left out, E being the largest coordinate of the triangle seen from

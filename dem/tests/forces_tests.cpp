@@ -1,5 +1,7 @@
+#include "dem/contact_list.hpp"
 #include "dem/contact_rule.hpp"
 #include "dem/forces.hpp"
+#include "dem/random.hpp"
 #include "dem/simulation.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
@@ -170,6 +172,59 @@ TEST(Forces, FrictionIsCappedByCoulombsLaw) {
   const double tangential = (contacts[0].force - normal * contacts[0].normal).norm();
   EXPECT_NEAR(tangential, .4 * normal, 1e-12);
   EXPECT_GT(contacts[0].force.x(), 0) << "ball 0 is dragged along by ball 1";
+}
+
+/// A number of contacts between two balls that move and turn: old and new ones, some of them sliding, some too fast.
+struct ManyContacts {
+  Particles particles;
+  std::vector<Contact> contacts;
+  std::vector<HeldSpring> springs;
+  explicit ManyContacts(int count) {
+    Random random(count);
+    const auto anywhere = [&](double size) { return (size * random.uniform() * random.direction()).eval(); };
+    for (int i = 0; i < 2; ++i)
+      particles.add({.sphere_radius = .5,
+                     .position = {0, 1.0005 * i, 0},
+                     .velocity = anywhere(.05),
+                     .angular_velocity = anywhere(1),
+                     .halo = 5e-4});
+    for (int i = 0; i < count; ++i) {
+      contacts.push_back({0, 1, i, 0, Vector3d(0, .5, 0) + anywhere(.1), random.direction(), 1e-3 * random.uniform()});
+      const bool is_old = random.uniform() < .6;
+      springs.push_back({i, 0, is_old ? anywhere(1e-4) : Vector3d::Zero(), is_old ? 1e3 * random.uniform() : 0});
+    }
+    press(particles, contacts);
+  }
+};
+
+TEST(Forces, AContactGetsTheSameBitsAloneAndAmongOthers) {
+  int sliding = 0, fast = 0, opening = 0, all = 0;
+  for (const char* name : {"spring-dashpot", "hertz-mindlin"}) {
+    const ContactParameters law{
+        .law = name, .stiffness = 1e4, .damping_ratio = .3, .friction = .4, .youngs_modulus = 1e6, .poisson_ratio = .3};
+    for (int count = 1; count < 40; ++count) {
+      ManyContacts many(count), one(count);
+      const std::vector<Vector3d> spins = spins_of(many.particles);
+      for (const HeldSpring& spring : many.springs) opening += spring.stiffness == 0;
+      contact_forces(many.particles, spins, law_of(law), law, 1e-3, many.contacts, many.springs);
+      for (int i = 0; i < count; ++i) {
+        const Contact& c = many.contacts[i];
+        contact_forces(one.particles, spins, law_of(law), law, 1e-3, std::span(one.contacts).subspan(i, 1),
+                       std::span(one.springs).subspan(i, 1));
+        ASSERT_EQ(c.force, one.contacts[i].force) << name << ", " << i << " of " << count;
+        ASSERT_EQ(c.spring_energy, one.contacts[i].spring_energy);
+        ASSERT_EQ(c.held, one.contacts[i].held);
+        ASSERT_EQ(c.released, one.contacts[i].released);
+        ASSERT_EQ(c.slides, one.contacts[i].slides);
+        ASSERT_EQ(c.fast, one.contacts[i].fast);
+        ASSERT_EQ(many.springs[i].stretch, one.springs[i].stretch);
+        ASSERT_EQ(many.springs[i].stiffness, one.springs[i].stiffness);
+        ASSERT_TRUE(c.force.allFinite());
+        sliding += c.slides, fast += c.fast, ++all;
+      }
+    }
+  }
+  for (const int some : {sliding, fast, opening}) EXPECT_TRUE(some > all / 20 && some < all - all / 20) << some;
 }
 
 TEST(Forces, SpringsAreCarriedToTheSameContactOnly) {

@@ -139,7 +139,7 @@ TEST(KeptPairs, BelongToTheirBodiesAndTakeOverPlacesOfThoseThatAreGone) {
   scene.bodies.push_back(scene.bodies[1]);
   Particles p;
   for (const Body& body : scene.bodies) p.add(body);
-  KeptPairs pairs(p.size());
+  PairMemory<KeptPair> pairs(p.size());
   pairs.begin_step();
   KeptPair &one = pairs.of({0, 1}, p), &two = pairs.of({1, 2}, p);
   one.keep(relative_pose(p, {0, 1}), 1);

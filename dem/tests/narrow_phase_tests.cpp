@@ -17,7 +17,11 @@ WorkerBuffer contacts_of(const Particles& particles, std::string_view kernel, st
   const NarrowPhase narrow{&kernel_named(kernel), &row_named(prechecks(), "pre-check", precheck),
                            &row_named(contact_rules(), "contact rule", rule)};
   WorkerBuffer buffer;
-  if (!narrow.precheck->spheres || spheres_overlap(particles, {0, 1})) collide(particles, {0, 1}, narrow, buffer);
+  if (!narrow.precheck->spheres || spheres_overlap(particles, {0, 1}))
+    collide(particles, std::array{BodyPair{0, 1}}, narrow, buffer);
+  for (const FoundPair& found : buffer.found)
+    if (found.first == FoundPair::of_spheres)
+      touch_of_spheres(particles, {found.a, found.b}, buffer.contacts.emplace_back());
   return buffer;
 }
 

@@ -20,11 +20,17 @@ int planted_race() {
   return sum;
 }
 
-/// Bodies of many sizes with halos so wide that they touch; more than any loop hands out at once.
+/// Granulates and spheres of many sizes with halos so wide that they touch; more than any loop hands out at once.
 Scene crowd() {
   Scene scene = make_scene("gas", {.particles = 1200, .vertices = 10, .size_ratio = 5, .fill = .9});
-  for (Body& body : scene.bodies)
-    if (!body.fixed) body.halo = 2 * body.mesh->radius;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    Body& body = scene.bodies[i];
+    if (body.fixed) continue;
+    body.halo = 2 * body.mesh->radius;
+    if (i % 3 > 0) continue;
+    body.sphere_radius = body.mesh->radius;
+    body.mesh = nullptr;
+  }
   scene.time.force = true; // three steps whose forces do not matter
   return scene;
 }

@@ -88,7 +88,7 @@ double by_engine(const NearPair& pair) {
   const NarrowPhase narrow{&kernel_named("hybrid-pair"), &row_named(prechecks(), "pre-check", "box"),
                            &row_named(contact_rules(), "contact rule", "nearest")};
   WorkerBuffer buffer;
-  collide(pair.bodies, {0, 1}, narrow, buffer);
+  collide(pair.bodies, std::array{BodyPair{0, 1}}, narrow, buffer);
   return buffer.contacts.empty() ? std::nan("") : reach - buffer.contacts[0].overlap;
 }
 

@@ -81,7 +81,7 @@ void Probe::place(const Vector3d& position, const Eigen::Quaterniond& orientatio
 
 void Probe::evaluate() {
   buffer_.clear();
-  collide(particles_, {0, 1}, narrow_, buffer_);
+  collide(particles_, std::array{BodyPair{0, 1}}, narrow_, buffer_);
   contacts.clear();
   for (const Touch& touch : buffer_.contacts) contacts.push_back(Contact{touch});
   const std::array spins{particles_.angular_velocity(0), particles_.angular_velocity(1)};

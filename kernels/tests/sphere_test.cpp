@@ -34,6 +34,35 @@ TEST(Spheres, PointTriangleMeetsExactNumbers) {
     }
 }
 
+TEST(Spheres, ManyTrianglesAtOnceMeetExactNumbersWhereverTheyStand) {
+  for (const RandomFamily& family : random_families()) {
+    Triangles triangles;
+    std::vector<Triangle> each;
+    std::vector<double> sizes;
+    for (int k = 0; k < 1003; ++k) { // not a multiple of any pack
+      const Pair pair = random_pair(family, k);
+      const Vec3<double> from = pair.b.a0;
+      each.push_back({pair.a.a0 - from, pair.a.a1 - from, pair.a.a2 - from});
+      sizes.push_back(scale(Pair{.a = each.back(), .b = each.back()}));
+      triangles.push_back(each.back());
+    }
+    std::vector<PointOnTriangle> points;
+    closest_to_origin(triangles.view(), points);
+    ASSERT_EQ(points.size(), each.size());
+    for (std::size_t k = 0; k < each.size(); ++k) {
+      const double truth = static_cast<double>(oracle::distance(Vec3<double>{0, 0, 0}, each[k]));
+      ASSERT_NEAR(std::sqrt(points[k].distance2), truth, 1e-14 * sizes[k]) << family.name << ", case " << k;
+      ASSERT_LE(distance_from(points[k].point, each[k], 1e-14 * sizes[k]), 1e-14 * sizes[k])
+          << family.name << ", " << k;
+      Triangles alone;
+      alone.push_back(each[k]);
+      std::vector<PointOnTriangle> point;
+      closest_to_origin(alone.view(), point);
+      ASSERT_EQ(point[0].distance2, points[k].distance2) << family.name << ", case " << k;
+    }
+  }
+}
+
 namespace {
 
 std::vector<Vec3<double>> corners_of(const Triangles& triangles) {
