@@ -18,7 +18,7 @@ namespace trigrain {
 namespace {
 
 // What a worker takes at a time:
-constexpr int pair_grain = 64, turn_grain = 256, cheap_grain = 512; // some 100, 50 and 5 ns each
+constexpr int pair_grain = 128, turn_grain = 256, cheap_grain = 512; // some 100, 50 and 5 ns each
 
 /// A phase of a step: adds the wall time of the scope, and tells who observes.
 class PhaseScope {
