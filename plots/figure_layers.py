@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from figure import Drawn, command_line
-from records import load_sweep
+from records import Point, load_sweep
 from scaling import Panel, draw_scaling
 
 NAME = "figure_layers"
@@ -22,7 +22,21 @@ def draw(results: Path, out: Path) -> Drawn:
     """Reads RESULTS/figure_layers, writes OUT/figure_layers.svg, .png and .csv."""
     layers = dict.fromkeys(point.params["layers"] for point in load_sweep(results, NAME).points)
     panels = [Panel(f"layers: {each}", {"layers": each}, PUBLISHED.get(each)) for each in layers]
-    return draw_scaling(NAME, panels, NOTES, (results, out))
+    return draw_scaling(NAME, panels, [*NOTES, *_triangles_to_share(load_sweep(results, NAME).drawn())], (results, out))
+
+
+def _triangles_to_share(points: list[Point]) -> list[str]:
+    """What the pre-check leaves of a body pair for the triangle layer, measured on one thread."""
+    left = {}
+    for point in points:
+        counts = point.record.get("counts", {})
+        if point.params["layers"] == "triangle" and point.params["threads"] == 1 and counts.get("searched_pairs"):
+            left[point.params["vertices"]] = counts["triangle_pairs"] / counts["searched_pairs"]
+    if not left:
+        return []
+    few, many = min(left), max(left)
+    return [f"Of a body pair the pre-check leaves {left[few]:.0f} triangle pairs on average ({few} vertices) to {left[many]:.0f} ({many}). "
+            "The triangle layer hands out parts of 256: with much fewer it has little to share, and stops at one thread."]
 
 
 if __name__ == "__main__":

@@ -62,3 +62,13 @@ def test_speed_ups_are_of_repeats_that_took_turns(made_up):
     said, rows = draw("figure_speed_up", made_up.folder)
     assert [(row["median_ratio"], row["least_ratio"]) for row in rows] == [("2", "1.25"), ("0.75", "0.75")]
     assert "regular task, two threads over one: 2 (1.25 to 2, 3 repeats in turn)." in said
+
+
+def test_the_triangle_layer_says_what_it_has_to_share(made_up):
+    points = made_up.sweep("figure_layers", {"layers": ["triangle", "grid"], "vertices": [10, 120], "threads": [1, 2]},
+                           {"particles": 100, "scheme": "plain", "grid": "regular"})
+    for vertices, pairs in ((10, 370), (120, 6400)):
+        id = points[f"layers=triangle vertices={vertices} threads=1"]["id"]
+        made_up.change("figure_layers", id, counts={"triangle_pairs": pairs, "searched_pairs": 100})
+    said, _ = draw("figure_layers", made_up.folder)
+    assert "leaves 4 triangle pairs on average (10 vertices) to 64 (120)" in said
