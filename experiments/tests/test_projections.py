@@ -55,6 +55,13 @@ def test_a_projection_is_stored_with_its_residual_and_withheld_where_it_misses_t
     assert found["validation"]["measured"] == pytest.approx(0.5) and not found["validation"]["trusted"]
     assert found["validation"]["residual"] == pytest.approx(found["validation"]["predicted"] / 0.5 - 1)
     assert found["rows"][-1]["threads"] == 64 and found["tasks_per_step"] > 0 and 0 < found["serial_share"] < 1
-    path.unlink()
-    set_speed_up(folder, found["validation"]["predicted"])
-    assert "0 projections withheld" in sweep("project")
+    for _ in range(6):  # each traces anew, and what the machine does meanwhile is in the trace
+        set_speed_up(folder, found["validation"]["predicted"])
+        path.unlink()
+        said = sweep("project")
+        found = json.loads(path.read_text())
+        trusted = abs(found["validation"]["residual"]) <= 0.05
+        assert found["validation"]["trusted"] == trusted and f"{0 if trusted else 1} projections withheld" in said
+        if trusted:
+            return
+    pytest.fail("no prediction agreed with the one before")
