@@ -1,6 +1,5 @@
 #include "dem/budget.hpp"
 #include "dem/contact_pack.hpp"
-#include <algorithm>
 
 namespace trigrain {
 
@@ -79,9 +78,7 @@ void add_wall_impulse(const Particles& p, const Contact& c, double kick_s, Budge
 
 void add_contacts(std::span<const Contact> contacts, const Particles& p, const MiddleMotion& motion, double kick_s,
                   KickSums& sums) {
-  for (std::size_t first = 0; first < contacts.size(); first += lane_count)
-    add_dissipation(ContactPack(contacts.subspan(first, std::min<std::size_t>(lane_count, contacts.size() - first))), p,
-                    motion, kick_s, sums);
+  for_packs(contacts, [&](std::size_t, const ContactPack& pack) { add_dissipation(pack, p, motion, kick_s, sums); });
   for (const Contact& c : contacts) {
     add_wall_impulse(p, c, kick_s, sums.budget);
     sums.released += c.released;

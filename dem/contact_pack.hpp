@@ -1,6 +1,7 @@
 #pragma once
 #include "dem/contact.hpp"
 #include "dem/vectors.hpp"
+#include <algorithm>
 #include <span>
 
 namespace trigrain {
@@ -49,5 +50,11 @@ struct ContactPack {
     return of_body(&Contact::a) - of_body(&Contact::b);
   }
 };
+
+/// Calls visit(first, pack) for all contacts, a pack of those from `first` on at a time.
+template <class Visit> void for_packs(std::span<const Contact> contacts, const Visit& visit) {
+  for (std::size_t first = 0; first < contacts.size(); first += lane_count)
+    visit(first, ContactPack(contacts.subspan(first, std::min<std::size_t>(lane_count, contacts.size() - first))));
+}
 
 } // namespace trigrain

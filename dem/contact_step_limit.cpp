@@ -27,25 +27,24 @@ void ContactStepLimit::couple(const Particles& p, const ContactParameters& law, 
   const ContactLaw& row = law_of(law);
   couplings_.resize(contacts.size());
   team.parallel_for(static_cast<int>(contacts.size()), grain, [&](int begin, int end, int) {
-    for (int first = begin; first < end; first += lane_count) {
-      const ContactPack pack(contacts.subspan(first, std::min(lane_count, end - first)));
+    for_packs(contacts.subspan(begin, end - begin), [&](std::size_t first, const ContactPack& pack) {
       const Spring s = row.spring(law, p, pack, pack.overlap());
       const Lanes kt = law.friction > 0 ? s.tangential : Lanes(0), k = pack.share() * s.tangent,
                   shared_kt = pack.share() * kt, ct = sqrt(kt / s.tangent) * s.damping, rate = lag(s, pack, 1);
       for (int i = 0; i < pack.size(); ++i) {
         const Contact& c = pack.contacts[i];
-        couplings_[first + i] = {c.a,
-                                 c.b,
-                                 c.point - p.position[c.a],
-                                 c.point - p.position[c.b],
-                                 c.normal,
-                                 k[i],
-                                 shared_kt[i],
-                                 s.damping[i],
-                                 ct[i],
-                                 rate[i]};
+        couplings_[begin + first + i] = {c.a,
+                                         c.b,
+                                         c.point - p.position[c.a],
+                                         c.point - p.position[c.b],
+                                         c.normal,
+                                         k[i],
+                                         shared_kt[i],
+                                         s.damping[i],
+                                         ct[i],
+                                         rate[i]};
       }
-    }
+    });
   });
 }
 

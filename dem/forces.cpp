@@ -65,11 +65,10 @@ FastContact fast_contact(const Particles& p, const ContactParameters& parameters
 
 namespace {
 
-/// contact_forces() of one pack.
+/// contact_forces() of one pack: the first of `contacts` and `springs`.
 [[gnu::flatten]] void forces_of_pack(const Particles& p, std::span<const Vector3d> spin, const ContactLaw& law,
-                                     const ContactParameters& parameters, double step_s, std::span<Contact> contacts,
-                                     std::span<HeldSpring> springs) {
-  const ContactPack pack(contacts);
+                                     const ContactParameters& parameters, double step_s, const ContactPack& pack,
+                                     std::span<Contact> contacts, std::span<HeldSpring> springs) {
   const int count = pack.size();
   const Vec3<Lanes> normal = pack.normal(), push = pack.push(),
                     relative = pack.relative_velocity(p.position, p.velocity, spin);
@@ -119,10 +118,9 @@ namespace {
 void contact_forces(const Particles& p, std::span<const Vector3d> spin, const ContactLaw& law,
                     const ContactParameters& parameters, double step_s, std::span<Contact> contacts,
                     std::span<HeldSpring> springs) {
-  for (std::size_t first = 0; first < contacts.size(); first += lane_count) {
-    const std::size_t count = std::min<std::size_t>(lane_count, contacts.size() - first);
-    forces_of_pack(p, spin, law, parameters, step_s, contacts.subspan(first, count), springs.subspan(first, count));
-  }
+  for_packs(contacts, [&](std::size_t first, const ContactPack& pack) {
+    forces_of_pack(p, spin, law, parameters, step_s, pack, contacts.subspan(first), springs.subspan(first));
+  });
 }
 
 Reaction reaction_of(const Particles& p, std::span<const Contact> contacts) {

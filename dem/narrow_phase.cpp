@@ -126,7 +126,9 @@ void collide_sphere_mesh(const Particles& particles, const WorkerBuffer::NearMes
                       sphere_is_a ? normal : (-normal).eval(),
                       reach - gap};
     const auto own = std::span(buffer.contacts).subspan(first);
-    const auto same = std::ranges::find_if(own, [&](const Touch& t) { return t.feature_a == a && t.feature_b == b; });
+    const auto same =
+        one_per_piece ? std::ranges::find_if(own, [&](const Touch& t) { return t.feature_a == a && t.feature_b == b; })
+                      : own.end();
     if (same == own.end())
       buffer.contacts.push_back(touch);
     else if (touch.overlap > same->overlap)

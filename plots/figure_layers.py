@@ -20,9 +20,10 @@ NOTES = [
 
 def draw(results: Path, out: Path) -> Drawn:
     """Reads RESULTS/figure_layers, writes OUT/figure_layers.svg, .png and .csv."""
-    layers = dict.fromkeys(point.params["layers"] for point in load_sweep(results, NAME).points)
+    sweep = load_sweep(results, NAME)
+    layers = dict.fromkeys(point.params["layers"] for point in sweep.points)
     panels = [Panel(f"layers: {each}", {"layers": each}, PUBLISHED.get(each)) for each in layers]
-    return draw_scaling(NAME, panels, [*NOTES, *_triangles_to_share(load_sweep(results, NAME).drawn())], (results, out))
+    return draw_scaling(NAME, panels, [*NOTES, *_triangles_to_share(sweep.drawn())], (results, out))
 
 
 def _triangles_to_share(points: list[Point]) -> list[str]:
