@@ -17,10 +17,16 @@ template <class T> struct Solved {
   unsigned within, doubtful, touching;
 };
 
-template <class T> [[gnu::always_inline]] inline Solved<T> solved(const TrianglePair<T>& pair, const T& reach) {
+template <class T> [[gnu::noinline, gnu::flatten]] void weigh(const PairPack<T>& pack, ClosestWeights<T>& weights) {
+  weights = closest_weights(pack.pair());
+}
+
+template <class T> [[gnu::always_inline]] inline Solved<T> solved(const TrianglePair<T>& pair,
+                                                                  const ClosestWeights<T>& weights, const T& reach) {
   const T rounding = constant<T>(certificate_rounding<T>) * pair.extent;
-  const auto [z, thin] = closest_weights(pair);
-  const auto [p, q] = points_at(pair, z);
+  const Weights<T>& z = weights.z;
+  const PointPair<T> points = points_at(pair, z);
+  const Vec3<T> p = points.p, q = points.q; // (bound to names at once, they would live in memory)
   const T distance = sqrt(squared(p - q)), lower = min(proven_gap(gap_along(p - q, pair), pair.extent), distance);
   Solved<T> s;
   s.answer.p = p;
@@ -31,7 +37,7 @@ template <class T> [[gnu::always_inline]] inline Solved<T> solved(const Triangle
   s.answer.feature = feature_of(z);
   s.within = bits_of(distance <= reach);
   const MaskOf<T> decided = (distance + rounding + rounding <= reach) | (lower > reach + rounding);
-  s.doubtful = bits_of((!decided) | (thin & (distance <= reach + rounding)));
+  s.doubtful = bits_of((!decided) | weights.doubtful);
   s.touching = 0;
   if (const auto open = !(lower > T(0)); any_of(open)) {
     const Pierced<T> pierced = pierce(pair);
@@ -66,23 +72,43 @@ template <class T> void decide(const PairPack<T>& pack, int lane, const Solved<T
   if (closest.distance <= query.reach) hits.push_back({i, j, closest});
 }
 
-template <class T> [[gnu::noinline, gnu::flatten]] void solve(const PairPack<T>& pack, const PairList& list,
-                                                              const Query& query, Hits& hits, KernelCounts& counts) {
-  const Solved<T> s = solved(pack.pair(), pack.in_units(query.reach));
-  const unsigned redo = (s.doubtful | s.touching) & pack.used(), within = s.within & pack.used();
-  if (redo == 0) return pack.append(s.answer, within, hits);
-  counts.fall_backs += std::popcount(redo);
+/// Appends a pack of which rounding leaves the lanes of `redo` in doubt. (By value: an answer whose address is taken
+/// lives in memory.)
+template <class T> [[gnu::noinline, gnu::cold]] void append_one_by_one(const PairPack<T>& pack, Solved<T> s,
+                                                                       unsigned redo, const PairList& list,
+                                                                       const Query& query, Hits& hits) {
   for (int lane = 0; lane < pack.size(); ++lane)
     if (redo >> lane & 1)
       decide(pack, lane, s, list, query, hits);
-    else if (within >> lane & 1)
+    else if (s.within >> lane & 1)
       pack.append(s.answer, 1u << lane, hits);
+}
+
+template <class T> [[gnu::noinline, gnu::flatten]] void finish(const PairPack<T>& pack,
+                                                               const ClosestWeights<T>& weights, const PairList& list,
+                                                               const Query& query, Hits& hits, KernelCounts& counts) {
+  const Solved<T> s = solved(pack.pair(), weights, pack.in_units(query.reach));
+  const unsigned redo = (s.doubtful | s.touching) & pack.used(), within = s.within & pack.used();
+  if (redo == 0) return pack.append(s.answer, within, hits);
+  counts.fall_backs += std::popcount(redo);
+  append_one_by_one(pack, s, redo, list, query, hits);
 }
 
 } // namespace
 
 template <class T> void brute_simd(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {
-  for_each_pack<T>(list, [&](const PairPack<T>& pack) { solve(pack, list, query, hits, counts); });
+  // A pack is finished after the next one is loaded: its last roots and divisions, which wait for each other, overlap
+  // with the first ones of the next.
+  std::array<PairPack<T>, 2> packs;
+  std::array<ClosestWeights<T>, 2> weights;
+  const auto finish_pack = [&](int n) { finish(packs[n % 2], weights[n % 2], list, query, hits, counts); };
+  const int count = (list.size() + lanes_of<T> - 1) / lanes_of<T>;
+  for (int n = 0; n < count; ++n) {
+    packs[n % 2].load(list, n * lanes_of<T>);
+    if (n > 0) finish_pack(n - 1);
+    weigh(packs[n % 2], weights[n % 2]);
+  }
+  if (count > 0) finish_pack(count - 1);
   counts.triangle_pairs += list.size();
 }
 

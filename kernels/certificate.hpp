@@ -13,7 +13,7 @@ template <class T> inline constexpr double certificate_rounding = 12 * epsilon_o
 /// every u it is a lower bound of the distance, up to certificate_rounding; 0 for u = 0. Krestenitis (2018); the bound
 /// is the separating-plane theorem.
 template <class T> [[gnu::always_inline]] inline T gap_along(const Vec3<T>& u, const TrianglePair<T>& pair) {
-  const T lowest_a = min(min(dot(u, pair.a[0]), dot(u, pair.a[1])), dot(u, pair.a[2]));
+  const T lowest_a = min(min(dot(u, pair.a[1]), dot(u, pair.a[2])), T(0)); // a[0] is the origin
   const T highest_b = max(max(dot(u, pair.b[0]), dot(u, pair.b[1])), dot(u, pair.b[2]));
   return (lowest_a - highest_b) * inverse_or_zero(sqrt(squared(u)));
 }

@@ -52,7 +52,7 @@ template <class T> void redo(const PairList& list, const Query& query, Hits& hit
 
 /// Up to `lanes` pairs, each redone on its own where it is not proven.
 template <class T> void solve_pairs(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {
-  const PairPack<T> pack(list);
+  const PairPack<T> pack(list, 0);
   const Solved<T> s = solve(pack, query);
   counts.newton_steps += static_cast<std::int64_t>(query.steps) * pack.size();
   if (s.unproven == 0) return pack.append(s.answer, s.contact, hits);
@@ -67,7 +67,7 @@ template <class T> void solve_pairs(const PairList& list, const Query& query, Hi
 template <class T> void solve_batch(const PairList& list, const Query& query, Hits& hits, KernelCounts& counts) {
   const int first = hits.size();
   for (int k = 0; k < list.size(); k += lanes_of<T>) {
-    const PairPack<T> pack(list.part(k, lanes_of<T>));
+    const PairPack<T> pack(list, k);
     const Solved<T> s = solve(pack, query);
     counts.newton_steps += static_cast<std::int64_t>(query.steps) * pack.size();
     if (s.unproven != 0) {

@@ -108,6 +108,14 @@ template <class T, class To> [[gnu::always_inline]] inline void store(const T& x
     x.copy_to(to, stdx::element_aligned);
 }
 
+/// A pack of get(0), get(1), ...
+template <class T, class Get> [[gnu::always_inline]] inline T gathered(const Get& get) {
+  if constexpr (!is_pack<T>)
+    return get(0);
+  else
+    return T([&](auto lane) { return get(lane); });
+}
+
 /// Doubles that go into a pack of T, in one pack of doubles or in `halves` of them.
 template <class T> inline constexpr int halves = lanes_of<T> > lane_count ? lanes_of<T> / lane_count : 1;
 template <class T> using Wide = Pack<double, lanes_of<T> / halves<T>>;
@@ -162,16 +170,25 @@ template <class W> [[gnu::always_inline]] inline void store_selected(const W& x,
   for (; bits != 0; bits &= bits - 1) *to++ = each[std::countr_zero(bits)];
 }
 
-/// to[0], to[1], ... = x[lane] + plus[lane], in double, for the lanes whose bit is set; writes like store_selected().
-template <class T>
-[[gnu::always_inline]] inline void store_sum(const T& x, const double* plus, unsigned bits, double* to) {
+/// to[0], to[1], ... = x[lane], in double, for the lanes whose bit is set, with plus(k) added to half k; writes like
+/// store_selected().
+template <class T, class Plus>
+[[gnu::always_inline]] inline void store_doubles(const T& x, unsigned bits, double* to, const Plus& plus) {
   constexpr int width = lanes_of<Wide<T>>;
   for (int k = 0; k < halves<T>; ++k) {
-    const Wide<T> sum = half(x, k) + load<Wide<T>>(plus + k * width);
     const unsigned of_half = bits >> (k * width) & ((1u << width) - 1);
-    store_selected(sum, of_half, to);
+    store_selected(plus(half(x, k), k), of_half, to);
     to += std::popcount(of_half);
   }
+}
+template <class T> [[gnu::always_inline]] inline void store_doubles(const T& x, unsigned bits, double* to) {
+  store_doubles(x, bits, to, [](const Wide<T>& part, int) { return part; });
+}
+/// The same of x[lane] + plus[lane].
+template <class T>
+[[gnu::always_inline]] inline void store_sum(const T& x, const double* plus, unsigned bits, double* to) {
+  store_doubles(x, bits, to,
+                [&](const Wide<T>& part, int k) { return part + load<Wide<T>>(plus + k * lanes_of<Wide<T>>); });
 }
 
 template <class T> [[gnu::always_inline]] inline ScalarOf<T> lane_of(const T& x, int lane) {

@@ -22,16 +22,21 @@ template <class T> class PairPack {
  public:
   static constexpr int lanes = lanes_of<T>;
 
-  explicit PairPack(const PairList& list) : index_(list.pairs) {
+  PairPack() {} // no pairs, nothing set
+  PairPack(const PairList& list, int first) { load(list, first); }
+
+  /// Takes the pairs of the list from number `first` on. (A function of its own: is_run() becomes vectors then.)
+  [[gnu::noinline]] void load(const PairList& list, int first) {
+    index_ = list.pairs.subspan(first, std::min(lanes, list.size() - first));
     // Sorted lists and lists of all pairs give packs of one triangle, or of neighbours, of either side: these are
     // cheap.
     const auto [i, j] = index_[0];
     if (is_run(0, 1))
-      load(One{list.a, i}, Run{list.b, j});
+      take(One{list.a, i}, Run{list.b, j});
     else if (is_run(1, 1))
-      load(Run{list.a, i}, Run{list.b, j});
+      take(Run{list.a, i}, Run{list.b, j});
     else
-      load(Scattered(list.a, *this, &PairIndex::i), Scattered(list.b, *this, &PairIndex::j));
+      take(Scattered(list.a, index_, &PairIndex::i), Scattered(list.b, index_, &PairIndex::j));
   }
 
   int size() const { return static_cast<int>(index_.size()); }
@@ -60,15 +65,17 @@ template <class T> class PairPack {
   [[gnu::flatten]] void append(const PackAnswer<T>& from, unsigned bits, Hits& hits) const {
     if (bits == 0) return;
     hits.reserve(lanes);
-    static constexpr Column zero{};
-    int c = 0;
-    for (const T* x : {&from.p.x, &from.p.y, &from.p.z, &from.q.x, &from.q.y, &from.q.z}) {
-      store_sum(in_metres(*x), origin_[c % 3].data(), bits, hits.next(static_cast<Hits::Quantity>(c)));
-      ++c;
-    }
-    store_sum(in_metres(from.distance), zero.data(), bits, hits.next(Hits::distance));
-    store_sum(in_metres(from.lower), zero.data(), bits, hits.next(Hits::lower));
-    store_sum(in_metres(from.upper), zero.data(), bits, hits.next(Hits::upper));
+    const auto put_point = [&](const Vec3<T>& x, Hits::Quantity first) {
+      const auto next = [&](int axis) { return hits.next(static_cast<Hits::Quantity>(first + axis)); };
+      store_sum(in_metres(x.x), origin_[0].data(), bits, next(0));
+      store_sum(in_metres(x.y), origin_[1].data(), bits, next(1));
+      store_sum(in_metres(x.z), origin_[2].data(), bits, next(2));
+    };
+    put_point(from.p, Hits::px);
+    put_point(from.q, Hits::qx);
+    store_doubles(in_metres(from.distance), bits, hits.next(Hits::distance));
+    store_doubles(in_metres(from.lower), bits, hits.next(Hits::lower));
+    store_doubles(in_metres(from.upper), bits, hits.next(Hits::upper));
     std::array<int, lanes> feature;
     store(from.feature, feature.data());
     const int count = std::popcount(bits);
@@ -117,16 +124,15 @@ template <class T> class PairPack {
     }
   };
   struct Scattered {
-    std::array<Column, 9> x;
-    Scattered(const TrianglesView& t, const PairPack& pack, int PairIndex::*side) {
-      for (int lane = 0; lane < lanes; ++lane) {
-        const int k = pack.index_[std::min(lane, pack.size() - 1)].*side;
-        for (int c = 0; c < 9; ++c) x[c][lane] = t.coordinate[c][k];
-      }
+    std::array<std::array<Doubles, halves<T>>, 9> x;
+    Scattered(const TrianglesView& t, std::span<const PairIndex> index, int PairIndex::*side) {
+      std::array<int, lanes> number;
+      for (int lane = 0; lane < lanes; ++lane) number[lane] = index[std::min<int>(lane, index.size() - 1)].*side;
+      for (int c = 0; c < 9; ++c)
+        for (int k = 0; k < halves<T>; ++k)
+          x[c][k] = gathered<Doubles>([&](int lane) { return t.coordinate[c][number[k * width + lane]]; });
     }
-    [[gnu::always_inline]] Doubles operator()(int c, int k) const {
-      return trigrain::load<Doubles>(x[c].data() + k * width);
-    }
+    [[gnu::always_inline]] Doubles operator()(int c, int k) const { return x[c][k]; }
   };
 
   static constexpr bool has_unit = std::is_same_v<ScalarOf<T>, float>;
@@ -149,7 +155,7 @@ template <class T> class PairPack {
     }
   }
 
-  template <class A, class B> [[gnu::flatten]] void load(const A& a, const B& b) {
+  template <class A, class B> [[gnu::flatten]] void take(const A& a, const B& b) {
     for (int axis = 0; axis < 3; ++axis)
       for (int k = 0; k < halves<T>; ++k) store(a(axis, k), origin_[axis].data() + k * width);
     const T zero = broadcast<T>(0);
@@ -178,7 +184,7 @@ template <class T> class PairPack {
 
 /// The list in packs, in order.
 template <class T, class Solve> void for_each_pack(const PairList& list, Solve solve) {
-  for (int first = 0; first < list.size(); first += lanes_of<T>) solve(PairPack<T>(list.part(first, lanes_of<T>)));
+  for (int first = 0; first < list.size(); first += lanes_of<T>) solve(PairPack<T>(list, first));
 }
 
 } // namespace trigrain

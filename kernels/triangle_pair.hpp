@@ -11,9 +11,9 @@ template <class T> using Corners = std::array<Vec3<T>, 3>;
 /// Points p on A and q on B (m).
 template <class T> struct PointPair { Vec3<T> p, q; };
 
-/// Two triangles in a frame of their own (origin at a corner of A), so that an offset from the world's origin costs no
-/// digits. `extent` (m) is the largest coordinate in that frame; all rounding errors are stated in units of it. It is
-/// at most twice the largest coordinate of the pair in any other frame.
+/// Two triangles in a frame of their own, so that an offset from the world's origin costs no digits: its origin is
+/// a[0], which is zero. `extent` (m) is the largest coordinate in that frame; all rounding errors are stated in units
+/// of it. It is at most twice the largest coordinate of the pair in any other frame.
 template <class T> struct TrianglePair {
   Corners<T> a, b;
   T extent;

@@ -10,7 +10,7 @@ template <class T> using Weights = std::array<T, 4>;
 /// The points (m, the pair's frame) that weights stand for.
 template <class T>
 [[gnu::always_inline]] inline PointPair<T> points_at(const TrianglePair<T>& pair, const Weights<T>& z) {
-  return {pair.a[0] + z[0] * (pair.a[1] - pair.a[0]) + z[1] * (pair.a[2] - pair.a[0]),
+  return {z[0] * pair.a[1] + z[1] * pair.a[2],
           pair.b[0] + z[2] * (pair.b[1] - pair.b[0]) + z[3] * (pair.b[2] - pair.b[0])};
 }
 
