@@ -35,18 +35,33 @@ inline Vec3<double> turned_back(const Vec3<double>& u, const Placement& at) {
 /// Box that holds the turned and moved box of B.
 Box placed(const Box& b, const Placement& at);
 
-/// Compiled once, not inlined: a triangle has the same bits for every pre-check.
-Triangle placed(const Triangle& t, const Placement& at);
-
-/// Appends those triangles of B, in A's frame.
+/// Makes `in_a` those triangles of B, in A's frame. The one way to place triangles: the same triangle has the same bits
+/// for every pre-check.
 void place(TrianglesView b, const Placement& at, std::span<const int> numbers, Triangles& in_a);
-/// Fills `b` with the triangles that near_b names.
-void place(const MeshView& b, const Placement& at, Candidates& c);
 
 /// Grows the list to at least `count` pairs; where it begins.
 PairIndex* room_for_pairs(Candidates& c, std::size_t count);
 
-inline Vec3<Octet> in_octet(const Vec3<double>& x) { return {Octet(x.x), Octet(x.y), Octet(x.z)}; }
+inline Vec3<Octet> in_octet(const Vec3<double>& x) {
+  return {broadcast<Octet>(x.x), broadcast<Octet>(x.y), broadcast<Octet>(x.z)};
+}
+
+/// Corners of eight triangles: coordinate(c) gives pack c of TrianglesView::coordinate.
+template <class Coordinate> [[gnu::always_inline]] inline Corners<Octet> corners_of(const Coordinate& coordinate) {
+  const auto at = [&](int c) { return Vec3<Octet>{coordinate(c), coordinate(c + 1), coordinate(c + 2)}; };
+  return {at(0), at(3), at(6)};
+}
+/// Triangles first to first + 7.
+[[gnu::always_inline]] inline Corners<Octet> corners_of(const TrianglesView& t, int first) {
+  return corners_of([&](int c) { return load<Octet>(t.coordinate[c] + first); });
+}
+/// The eight triangles that are named from numbers[first] on; where there are fewer, the last again.
+[[gnu::always_inline]] inline Corners<Octet> corners_of(const TrianglesView& t, std::span<const int> numbers,
+                                                        std::size_t first) {
+  std::array<int, 8> number;
+  for (std::size_t lane = 0; lane < 8; ++lane) number[lane] = numbers[std::min(first + lane, numbers.size() - 1)];
+  return corners_of([&](int c) { return gathered<Octet>([&](int lane) { return t.coordinate[c][number[lane]]; }); });
+}
 
 // Rows of the table of pre-checks.
 using PairsFunction = void(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach, Candidates& c);

@@ -19,17 +19,18 @@ Box placed(const Box& b, const Placement& at) {
   return {{m.x - h.x, m.y - h.y, m.z - h.z}, {m.x + h.x, m.y + h.y, m.z + h.z}};
 }
 
-[[gnu::noinline]] Triangle placed(const Triangle& t, const Placement& at) {
-  return {placed(t.a0, at), placed(t.a1, at), placed(t.a2, at)};
-}
-
-void place(TrianglesView b, const Placement& at, std::span<const int> numbers, Triangles& in_a) {
-  for (int j : numbers) in_a.push_back(placed(b[j], at));
-}
-
-void place(const MeshView& b, const Placement& at, Candidates& c) {
-  c.number_b = c.near_b;
-  place(b.triangles, at, c.number_b, c.b);
+FLATTEN_OCTETS void place(TrianglesView b, const Placement& at, std::span<const int> numbers, Triangles& in_a) {
+  in_a.resize(static_cast<int>(numbers.size()));
+  const std::array<Vec3<Octet>, 3> rows{in_octet(at.rows[0]), in_octet(at.rows[1]), in_octet(at.rows[2])};
+  const Vec3<Octet> translation = in_octet(at.translation);
+  for (std::size_t first = 0; first < numbers.size(); first += 8) {
+    int c = 0;
+    for (const Vec3<Octet>& x : corners_of(b, numbers, first)) {
+      store(dot(rows[0], x) + translation.x, in_a.coordinate(c++) + first);
+      store(dot(rows[1], x) + translation.y, in_a.coordinate(c++) + first);
+      store(dot(rows[2], x) + translation.z, in_a.coordinate(c++) + first);
+    }
+  }
 }
 
 PairIndex* room_for_pairs(Candidates& c, std::size_t count) {
@@ -42,7 +43,8 @@ namespace {
 // --- none and sphere: lists of triangles, every one of A's against every one of B's
 
 void pair_all(const MeshView& b, const Placement& at, Candidates& c) {
-  place(b, at, c);
+  c.number_b = c.near_b;
+  place(b.triangles, at, c.number_b, c.b);
   PairIndex* next = room_for_pairs(c, c.near_a.size() * c.b.size());
   for (int i : c.near_a)
     for (int j = 0; j < c.b.size(); ++j) *next++ = {i, j};

@@ -1,6 +1,7 @@
 // Pre-check of small meshes: a separating direction and its slab, then box against box and plane against corners.
 #include "kernels/placement.hpp"
 #include <bit>
+#include <utility>
 
 namespace trigrain {
 namespace {
@@ -71,23 +72,24 @@ FLATTEN_OCTETS Slab separating_slab(const MeshView& a, const MeshView& b, const 
   return best;
 }
 
-Corners<Octet> corners_at(const TrianglesView& t, int first) {
-  const auto at = [&](int k) {
-    return Vec3<Octet>{load<Octet>(t.coordinate[k] + first), load<Octet>(t.coordinate[k + 1] + first),
-                       load<Octet>(t.coordinate[k + 2] + first)};
-  };
-  return {at(0), at(3), at(6)};
-}
+/// Eight boxes, or one in all lanes.
+struct Boxes {
+  Vec3<Octet> low, high;
+};
 
-/// Squared distances of eight triangles' boxes from those of eight others.
-[[gnu::always_inline]] inline Octet box_distance2(const Corners<Octet>& a, const Corners<Octet>& b) {
-  const auto between = [&](Octet Vec3<Octet>::*axis) {
-    const auto low = [&](const Corners<Octet>& t) { return min(min(t[0].*axis, t[1].*axis), t[2].*axis); };
-    const auto high = [&](const Corners<Octet>& t) { return max(max(t[0].*axis, t[1].*axis), t[2].*axis); };
-    return max(max(low(b) - high(a), low(a) - high(b)), Octet(0.));
-  };
-  const Octet dx = between(&Vec3<Octet>::x), dy = between(&Vec3<Octet>::y), dz = between(&Vec3<Octet>::z);
-  return dx * dx + dy * dy + dz * dz;
+[[gnu::always_inline]] inline Vec3<Octet> lower(const Vec3<Octet>& a, const Vec3<Octet>& b) {
+  return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+[[gnu::always_inline]] inline Vec3<Octet> higher(const Vec3<Octet>& a, const Vec3<Octet>& b) {
+  return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
+[[gnu::always_inline]] inline Boxes boxes_of(const Corners<Octet>& t) {
+  return {lower(lower(t[0], t[1]), t[2]), higher(higher(t[0], t[1]), t[2])};
+}
+/// Squared distances of boxes.
+[[gnu::always_inline]] inline Octet distance2(const Boxes& a, const Boxes& b) {
+  const Octet zero = broadcast<Octet>(0);
+  return squared(higher(higher(b.low - a.high, a.low - b.high), {zero, zero, zero}));
 }
 
 /// Ascending numbers of the triangles with a corner x where u.x >= least and whose box is within reach of `other`.
@@ -96,12 +98,13 @@ FLATTEN_OCTETS void triangles_beyond(TrianglesView t, const Point& u, double lea
   indices.resize(t.size + 8);
   const Vec3<Octet> direction = in_octet(u), low = in_octet({other.low[0], other.low[1], other.low[2]}),
                     high = in_octet({other.high[0], other.high[1], other.high[2]});
-  const Corners<Octet> box{low, high, high};
   int n = 0;
+  const Boxes box{low, high};
   for (int first = 0; first < t.size; first += 8) {
-    const auto [x, y, z] = corners_at(t, first);
-    const Octet furthest = max(max(dot(direction, x), dot(direction, y)), dot(direction, z));
-    unsigned near = bits_of((furthest >= Octet(least)) & (box_distance2({x, y, z}, box) <= Octet(reach * reach)));
+    const Corners<Octet> x = corners_of(t, first);
+    const Octet furthest = max(max(dot(direction, x[0]), dot(direction, x[1])), dot(direction, x[2]));
+    unsigned near = bits_of((furthest >= broadcast<Octet>(least)) &
+                            (distance2(boxes_of(x), box) <= broadcast<Octet>(reach * reach)));
     if (t.size - first < 8) near &= (1u << (t.size - first)) - 1;
     std::array<int, 8> number;
     for (int lane = 0; lane < 8; ++lane) number[lane] = first + lane;
@@ -110,18 +113,60 @@ FLATTEN_OCTETS void triangles_beyond(TrianglesView t, const Point& u, double lea
   indices.resize(n);
 }
 
-/// Bits of the eight triangles `b` that box and plane of triangle `a` leave within reach.
-FLATTEN_OCTETS unsigned near_triangle(const Triangle& ta, const Corners<Octet>& b, double reach, double extent) {
-  const Corners<Octet> a{in_octet(ta.a0), in_octet(ta.a1), in_octet(ta.a2)};
-  const auto by_box = box_distance2(a, b) <= Octet(reach * reach);
-  const Point e = ta.a1 - ta.a0, f = ta.a2 - ta.a0, n = cross(e, f);
-  const double beyond =
-      reach * std::sqrt(squared(n)) + slack * extent * std::sqrt(squared(e) * squared(f)); // rounding of n is in it
-  const Vec3<Octet> normal = in_octet(n);
-  const auto height = [&](const Vec3<Octet>& x) { return dot(normal, x - a[0]); };
-  const Octet h0 = height(b[0]), h1 = height(b[1]), h2 = height(b[2]);
-  const auto by_plane = (min(min(h0, h1), h2) <= Octet(beyond)) & (max(max(h0, h1), h2) >= Octet(-beyond));
-  return bits_of(by_box & by_plane);
+/// Eight triangles, or one of them in all lanes, with their boxes and slabs: the points x that are within reach of a
+/// triangle's plane have lowest <= normal.x <= highest.
+struct Facets {
+  static constexpr int columns = 20;
+  Corners<Octet> corner;
+  Boxes box;
+  Vec3<Octet> normal; ///< as long as edge 0 times edge 2 of a right angle (m2)
+  Octet lowest, highest;
+};
+
+/// The facets of the triangles of which corners(first) gives eight, after one another in memory.
+template <class CornersAt>
+FLATTEN_OCTETS void prepare(int count, const CornersAt& corners, double reach, double extent, Column<double>& facets) {
+  const std::size_t room = (count + 7) / 8 * 8 * Facets::columns;
+  if (facets.size() < room) facets.resize(2 * room);
+  double* to = facets.data();
+  for (int first = 0; first < count; first += 8) {
+    Facets f;
+    f.corner = corners(first);
+    f.box = boxes_of(f.corner);
+    const Vec3<Octet> e = f.corner[1] - f.corner[0], g = f.corner[2] - f.corner[0];
+    f.normal = cross(e, g);
+    const Octet height = dot(f.normal, f.corner[0]),
+                beyond = broadcast<Octet>(reach) * sqrt(squared(f.normal)) +
+                         broadcast<Octet>(slack * extent) * sqrt(squared(e) * squared(g)); // rounding is in it
+    f.lowest = height - beyond;
+    f.highest = height + beyond;
+    const auto put = [&](const Octet& x) { store(x, std::exchange(to, to + 8)); };
+    const auto put_all = [&](const Vec3<Octet>& x) { put(x.x), put(x.y), put(x.z); };
+    put_all(f.corner[0]), put_all(f.corner[1]), put_all(f.corner[2]);
+    put_all(f.box.low), put_all(f.box.high), put_all(f.normal);
+    put(f.lowest), put(f.highest);
+  }
+}
+
+/// get(0), get(1), ... as facets.
+template <class Get> [[gnu::always_inline]] inline Facets facets_from(const Get& get) {
+  const auto at = [&](int c) { return Vec3<Octet>{get(c), get(c + 1), get(c + 2)}; };
+  return {{at(0), at(3), at(6)}, {at(9), at(12)}, at(15), get(18), get(19)};
+}
+
+/// Does any corner come within reach of the facets' planes, or do they lie on both sides?
+[[gnu::always_inline]] inline auto meet(const Facets& f, const Corners<Octet>& x) {
+  const Octet h0 = dot(f.normal, x[0]), h1 = dot(f.normal, x[1]), h2 = dot(f.normal, x[2]);
+  return (min(min(h0, h1), h2) <= f.highest) & (max(max(h0, h1), h2) >= f.lowest);
+}
+
+/// Bits of the eight facets from `b` on that facet number `lane` of those from `a` on may come within reach of: neither
+/// boxes nor planes tell them apart.
+FLATTEN_OCTETS unsigned near_facet(const double* a, int lane, const double* b, double reach) {
+  const Facets one = facets_from([&](int c) { return broadcast<Octet>(a[8 * c + lane]); }),
+               eight = facets_from([&](int c) { return load<Octet>(b + 8 * c); });
+  return bits_of((distance2(one.box, eight.box) <= broadcast<Octet>(reach * reach)) & meet(one, eight.corner) &
+                 meet(eight, one.corner));
 }
 
 } // namespace
@@ -140,16 +185,22 @@ void pairs_by_box(const MeshView& a, const MeshView& b, const Placement& at, dou
   if (c.near_a.empty()) return;
   triangles_beyond(b.triangles, back, dot(slab.u, at.translation) - slab.end_of_a - limit,
                    placed(a.octree->cut(0).box, a_in_b), limit, c.near_b);
-  place(b, at, c);
+  c.number_b = c.near_b;
+  place(b.triangles, at, c.number_b, c.b);
   const TrianglesView placed_b = c.b.view();
-  PairIndex* next = room_for_pairs(c, c.near_a.size() * ((placed_b.size + 7) / 8 * 8) + 8);
-  for (int i : c.near_a) {
-    const Triangle ta = a.triangles[i];
+  const int count_a = static_cast<int>(c.near_a.size());
+  prepare(
+      count_a, [&](int first) { return corners_of(a.triangles, c.near_a, first); }, limit, extent, c.facets_a);
+  prepare(
+      placed_b.size, [&](int first) { return corners_of(placed_b, first); }, limit, extent, c.facets_b);
+  PairIndex* next = room_for_pairs(c, count_a * ((placed_b.size + 7) / 8 * 8) + 8);
+  for (int k = 0; k < count_a; ++k) {
+    const double* const facets_a = c.facets_a.data() + k / 8 * 8 * Facets::columns;
     for (int first = 0; first < placed_b.size; first += 8) {
-      unsigned near = near_triangle(ta, corners_at(placed_b, first), limit, extent);
+      unsigned near = near_facet(facets_a, k % 8, c.facets_b.data() + first * Facets::columns, limit);
       if (placed_b.size - first < 8) near &= (1u << (placed_b.size - first)) - 1;
       std::array<PairIndex, 8> pair;
-      for (int lane = 0; lane < 8; ++lane) pair[lane] = {i, first + lane};
+      for (int lane = 0; lane < 8; ++lane) pair[lane] = {c.near_a[k], first + lane};
       next += store_selected(pair, near, next);
     }
   }

@@ -139,8 +139,7 @@ class Descent {
 
   void add(int i, int j) {
     if (c_.place[j] < 0) {
-      c_.place[j] = c_.b.size();
-      c_.b.push_back(placed(b_.triangles[j], at_));
+      c_.place[j] = static_cast<int>(c_.number_b.size());
       c_.number_b.push_back(j);
     }
     c_.list.push_back({i, c_.place[j]});
@@ -181,6 +180,7 @@ void pairs_by_octree(const MeshView& a, const MeshView& b, const Placement& at, 
   c.list.clear();
   Descent(a, b, at, reach, c).visit(0, 0);
   for (int j : c.number_b) c.place[j] = -1;
+  place(b.triangles, at, c.number_b, c.b);
   std::sort(c.list.begin(), c.list.end(), [&](const PairIndex& x, const PairIndex& y) {
     return std::pair(x.i, c.number_b[x.j]) < std::pair(y.i, c.number_b[y.j]);
   });

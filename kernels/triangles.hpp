@@ -38,6 +38,14 @@ class Triangles {
     for (int k = 0; k < 9; ++k) coordinate_[k][size_] = c[k];
     ++size_;
   }
+  /// Makes room for `size` triangles, to be written into coordinate() whole packs at a time.
+  void resize(int size) {
+    const std::size_t room = (size + lanes - 1) / lanes * lanes;
+    if (coordinate_[0].size() < room)
+      for (auto& column : coordinate_) column.resize(2 * room);
+    size_ = size;
+  }
+  double* coordinate(int c) { return coordinate_[c].data(); } ///< TrianglesView::coordinate
   int size() const { return size_; }
   /// Lends the arrays; valid until the next change.
   TrianglesView view() const {
