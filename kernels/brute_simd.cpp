@@ -17,6 +17,7 @@ template <class T> struct Solved {
   unsigned within, doubtful, touching;
 };
 
+/// First half of the work on a pack: where its closest points are.
 template <class T> [[gnu::noinline, gnu::flatten]] void weigh(const PairPack<T>& pack, ClosestWeights<T>& weights) {
   weights = closest_weights(pack.pair());
 }
@@ -48,50 +49,56 @@ template <class T> [[gnu::always_inline]] inline Solved<T> solved(const Triangle
     s.answer.upper = select(crossing, T(0), s.answer.upper);
     s.answer.feature = select(crossing, T(Features::of_a | Features::of_b), s.answer.feature);
     s.within |= bits_of(crossing);
-    s.doubtful &= ~bits_of(crossing);
-    s.touching = bits_of(open & !pierced.surely & !(pierced.surely_not & (distance > T(0))));
+    // So close, brute force may have found one point and moved it apart.
+    const MaskOf<T> one_point = distance <= rounding + rounding;
+    s.doubtful = (s.doubtful | bits_of(open & one_point)) & ~bits_of(crossing);
+    s.touching = bits_of(open & !pierced.surely & !pierced.surely_not);
   }
   return s;
 }
 
-/// Appends a pair in doubt, decided exactly.
-template <class T> void decide(const PairPack<T>& pack, int lane, const Solved<T>& s, const PairList& list,
-                               const Query& query, Hits& hits) {
-  const auto [i, j] = pack.index(lane);
-  const Triangle a = list.a[i], b = list.b[j];
+/// Appends a pair in doubt, decided exactly. `hit` is what lanes found.
+void decide(const Hit& hit, bool doubtful, bool within, const PairList& list, const Query& query, Hits& hits) {
+  const Triangle a = list.a[hit.i], b = list.b[hit.j];
   Closest closest;
-  if (s.doubtful >> lane & 1 || !(lane_of(s.answer.distance, lane) > 0)) {
+  if (doubtful) {
     closest = closest_by_brute_force(a, b);
-  } else if (const auto common = common_point(a, b, pack.p_of(s.answer, lane))) {
+  } else if (const auto common = common_point(a, b, hit.closest.p)) {
     closest = {*common, *common, 0, 0, 0, Features::of_a | Features::of_b};
   } else {
-    if (s.within >> lane & 1) pack.append(s.answer, 1u << lane, hits);
+    if (within) hits.push_back(hit);
     return;
   }
   closest.fell_back = true;
-  if (closest.distance <= query.reach) hits.push_back({i, j, closest});
+  if (closest.distance <= query.reach) hits.push_back({hit.i, hit.j, closest});
 }
 
-/// Appends a pack of which rounding leaves the lanes of `redo` in doubt. (By value: an answer whose address is taken
-/// lives in memory.)
-template <class T> [[gnu::noinline, gnu::cold]] void append_one_by_one(const PairPack<T>& pack, Solved<T> s,
-                                                                       unsigned redo, const PairList& list,
-                                                                       const Query& query, Hits& hits) {
-  for (int lane = 0; lane < pack.size(); ++lane)
+/// Goes once more over the hits from number `first` on, of the lanes `appended`, and decides those of `redo`.
+[[gnu::noinline, gnu::cold]] void settle(int first, unsigned appended, unsigned redo, unsigned doubtful,
+                                         unsigned within, const PairList& list, const Query& query, Hits& hits) {
+  std::array<Hit, Triangles::lanes> found;
+  for (int k = first; k < hits.size(); ++k) found[k - first] = hits[k];
+  hits.cut(first);
+  for (const Hit* hit = found.data(); appended != 0; appended &= appended - 1, ++hit) {
+    const int lane = std::countr_zero(appended);
     if (redo >> lane & 1)
-      decide(pack, lane, s, list, query, hits);
-    else if (s.within >> lane & 1)
-      pack.append(s.answer, 1u << lane, hits);
+      decide(*hit, doubtful >> lane & 1, within >> lane & 1, list, query, hits);
+    else
+      hits.push_back(*hit);
+  }
 }
 
+/// Second half: what they prove, and the hits.
 template <class T> [[gnu::noinline, gnu::flatten]] void finish(const PairPack<T>& pack,
                                                                const ClosestWeights<T>& weights, const PairList& list,
                                                                const Query& query, Hits& hits, KernelCounts& counts) {
   const Solved<T> s = solved(pack.pair(), weights, pack.in_units(query.reach));
-  const unsigned redo = (s.doubtful | s.touching) & pack.used(), within = s.within & pack.used();
-  if (redo == 0) return pack.append(s.answer, within, hits);
+  const unsigned redo = (s.doubtful | s.touching) & pack.used(), appended = (s.within & pack.used()) | redo;
+  const int first = hits.size();
+  pack.append(s.answer, appended, hits);
+  if (redo == 0) return;
   counts.fall_backs += std::popcount(redo);
-  append_one_by_one(pack, s, redo, list, query, hits);
+  settle(first, appended, redo, s.doubtful, s.within, list, query, hits);
 }
 
 } // namespace

@@ -158,7 +158,6 @@ template <class T> [[gnu::always_inline]] inline Wide<T> half(const T& x, int k)
 /// to[0], to[1], ... = those of the lanes whose bit is set. Writes a whole pack: what follows the last of them is
 /// undefined.
 template <class W> [[gnu::always_inline]] inline void store_selected(const W& x, unsigned bits, double* to) {
-  if (bits == (1u << lanes_of<W>)-1) return store(x, to);
 #ifdef __AVX512F__
   if constexpr (lanes_of<W> == 8) {
     store(W(_mm512_maskz_compress_pd(static_cast<__mmask8>(bits), static_cast<__m512d>(x))), to);
@@ -170,25 +169,21 @@ template <class W> [[gnu::always_inline]] inline void store_selected(const W& x,
   for (; bits != 0; bits &= bits - 1) *to++ = each[std::countr_zero(bits)];
 }
 
-/// to[0], to[1], ... = x[lane], in double, for the lanes whose bit is set, with plus(k) added to half k; writes like
-/// store_selected().
-template <class T, class Plus>
-[[gnu::always_inline]] inline void store_doubles(const T& x, unsigned bits, double* to, const Plus& plus) {
+/// to[0], to[1], ... = x[lane] + plus[lane], in double, for all lanes or those whose bit is set; writes like
+/// store_selected(). No `plus` is 0.
+template <bool all, class T>
+[[gnu::always_inline]] inline void store_doubles(const T& x, const double* plus, unsigned bits, double* to) {
   constexpr int width = lanes_of<Wide<T>>;
   for (int k = 0; k < halves<T>; ++k) {
-    const unsigned of_half = bits >> (k * width) & ((1u << width) - 1);
-    store_selected(plus(half(x, k), k), of_half, to);
-    to += std::popcount(of_half);
+    const Wide<T> part = plus ? half(x, k) + load<Wide<T>>(plus + k * width) : half(x, k);
+    if constexpr (all) {
+      store(part, to + k * width);
+    } else {
+      const unsigned of_half = bits >> (k * width) & ((1u << width) - 1);
+      store_selected(part, of_half, to);
+      to += std::popcount(of_half);
+    }
   }
-}
-template <class T> [[gnu::always_inline]] inline void store_doubles(const T& x, unsigned bits, double* to) {
-  store_doubles(x, bits, to, [](const Wide<T>& part, int) { return part; });
-}
-/// The same of x[lane] + plus[lane].
-template <class T>
-[[gnu::always_inline]] inline void store_sum(const T& x, const double* plus, unsigned bits, double* to) {
-  store_doubles(x, bits, to,
-                [&](const Wide<T>& part, int k) { return part + load<Wide<T>>(plus + k * lanes_of<Wide<T>>); });
 }
 
 template <class T> [[gnu::always_inline]] inline ScalarOf<T> lane_of(const T& x, int lane) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <span>
+#include <utility>
 
 namespace trigrain {
 
@@ -22,8 +23,8 @@ template <class T> class PairPack {
  public:
   static constexpr int lanes = lanes_of<T>;
 
-  PairPack() {} // no pairs, nothing set
-  PairPack(const PairList& list, int first) { load(list, first); }
+  PairPack() { pair_.a[0] = {broadcast<T>(0), broadcast<T>(0), broadcast<T>(0)}; }
+  PairPack(const PairList& list, int first) : PairPack() { load(list, first); }
 
   /// Takes the pairs of the list from number `first` on. (A function of its own: is_run() becomes vectors then.)
   [[gnu::noinline]] void load(const PairList& list, int first) {
@@ -53,32 +54,13 @@ template <class T> class PairPack {
       return constant<T>(length);
   }
 
-  /// Point p of one lane, in the world's frame (m).
-  Vec3<double> p_of(const PackAnswer<T>& answer, int lane) const {
-    const auto axis = [&](const T& x, int k) {
-      return static_cast<double>(lane_of(in_metres(x), lane)) + origin_[k][lane];
-    };
-    return {axis(answer.p.x, 0), axis(answer.p.y, 1), axis(answer.p.z, 2)};
-  }
-
   /// Appends the answers of the lanes whose bit is set, back in the world's frame.
   [[gnu::flatten]] void append(const PackAnswer<T>& from, unsigned bits, Hits& hits) const {
     if (bits == 0) return;
     hits.reserve(lanes);
-    const auto put_point = [&](const Vec3<T>& x, Hits::Quantity first) {
-      const auto next = [&](int axis) { return hits.next(static_cast<Hits::Quantity>(first + axis)); };
-      store_sum(in_metres(x.x), origin_[0].data(), bits, next(0));
-      store_sum(in_metres(x.y), origin_[1].data(), bits, next(1));
-      store_sum(in_metres(x.z), origin_[2].data(), bits, next(2));
-    };
-    put_point(from.p, Hits::px);
-    put_point(from.q, Hits::qx);
-    store_doubles(in_metres(from.distance), bits, hits.next(Hits::distance));
-    store_doubles(in_metres(from.lower), bits, hits.next(Hits::lower));
-    store_doubles(in_metres(from.upper), bits, hits.next(Hits::upper));
+    const int count = std::popcount(bits);
     std::array<int, lanes> feature;
     store(from.feature, feature.data());
-    const int count = std::popcount(bits);
     int *const i = hits.next_i(), *const j = hits.next_j(), *const feature_bits = hits.next_feature();
     const PairIndex* const index = index_.data();
     const auto note = [&](int k, int lane) {
@@ -86,11 +68,14 @@ template <class T> class PairPack {
       j[k] = index[lane].j;
       feature_bits[k] = feature[lane];
     };
-    if (count == lanes)
+    if (count == lanes) {
+      put<true>(from, bits, hits);
 #pragma GCC ivdep
       for (int lane = 0; lane < lanes; ++lane) note(lane, lane);
-    else
+    } else {
+      put<false>(from, bits, hits);
       for (int k = 0; k < count; ++k, bits &= bits - 1) note(k, std::countr_zero(bits));
+    }
     hits.added(count);
   }
 
@@ -144,13 +129,28 @@ template <class T> class PairPack {
       return x;
   }
 
+  template <bool all> [[gnu::always_inline]] void put(const PackAnswer<T>& from, unsigned bits, Hits& hits) const {
+    const auto column = [&](Hits::Quantity c, const T& x, const double* origin = nullptr) {
+      store_doubles<all>(in_metres(x), origin, bits, hits.next(c));
+    };
+    column(Hits::px, from.p.x, origin_[0].data());
+    column(Hits::py, from.p.y, origin_[1].data());
+    column(Hits::pz, from.p.z, origin_[2].data());
+    column(Hits::qx, from.q.x, origin_[0].data());
+    column(Hits::qy, from.q.y, origin_[1].data());
+    column(Hits::qz, from.q.z, origin_[2].data());
+    column(Hits::distance, from.distance);
+    column(Hits::lower, from.lower);
+    column(Hits::upper, from.upper);
+  }
+
   /// Sets the extent and, in float, goes over to the units of the pairs.
   [[gnu::always_inline]] void finish() {
     pair_.extent = extent_of(pair_.a, pair_.b);
     if constexpr (has_unit) {
       power_of_two_below(pair_.extent, unit_, per_unit_);
-      for (Corners<T>* t : {&pair_.a, &pair_.b})
-        for (Vec3<T>& corner : *t) corner = per_unit_ * corner;
+      for (Vec3<T>* corner : {&pair_.a[1], &pair_.a[2], &pair_.b[0], &pair_.b[1], &pair_.b[2]})
+        *corner = per_unit_ * *corner;
       pair_.extent = per_unit_ * pair_.extent;
     }
   }
@@ -158,8 +158,8 @@ template <class T> class PairPack {
   template <class A, class B> [[gnu::flatten]] void take(const A& a, const B& b) {
     for (int axis = 0; axis < 3; ++axis)
       for (int k = 0; k < halves<T>; ++k) store(a(axis, k), origin_[axis].data() + k * width);
-    const T zero = broadcast<T>(0);
-    pair_.a = {Vec3<T>{zero, zero, zero}, corner(a, a, 1), corner(a, a, 2)};
+    pair_.a[1] = corner(a, a, 1);
+    pair_.a[2] = corner(a, a, 2);
     pair_.b = {corner(b, a, 0), corner(b, a, 1), corner(b, a, 2)};
     finish();
   }
@@ -184,7 +184,11 @@ template <class T> class PairPack {
 
 /// The list in packs, in order.
 template <class T, class Solve> void for_each_pack(const PairList& list, Solve solve) {
-  for (int first = 0; first < list.size(); first += lanes_of<T>) solve(PairPack<T>(list, first));
+  PairPack<T> pack;
+  for (int first = 0; first < list.size(); first += lanes_of<T>) {
+    pack.load(list, first);
+    solve(std::as_const(pack));
+  }
 }
 
 } // namespace trigrain

@@ -21,6 +21,11 @@ namespace trigrain {
 /// Barycentric weights (of b and c) of a point's projection on the plane of a triangle.
 template <class T> struct Barycentric { T v, w; };
 
+template <class T, class Mask> [[gnu::always_inline]] inline Barycentric<T>
+select(const Mask& m, const Barycentric<T>& yes, const Barycentric<T>& no) {
+  return {select(m, yes.v, no.v), select(m, yes.w, no.w)};
+}
+
 /// e = b - a, f = c - a, n = e x f with |n|^2 > 0 in `inverse_nn`; r = point - a. By cross products: the error is
 /// epsilon |r| L / |n|, where the determinant of the Gram matrix would square the aspect ratio.
 template <class T> [[gnu::always_inline]] inline Barycentric<T>
@@ -55,7 +60,7 @@ template <class T>
   const auto keep_nearer = [&](const Vec3<T>& from_point, const Barycentric<T>& z) {
     const T d2 = squared(from_point);
     const auto nearer = d2 < best_d2;
-    best = {select(nearer, z.v, best.v), select(nearer, z.w, best.w)};
+    best = select(nearer, z, best);
     best_d2 = min(best_d2, d2);
   };
   const T on_e = share_on_segment(point, t[0], e), on_f = share_on_segment(point, t[0], f),

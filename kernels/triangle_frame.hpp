@@ -11,21 +11,21 @@ template <class T> [[gnu::always_inline]] inline T positive(const T& x) {
 template <class T> [[gnu::always_inline]] inline T inverse_or_large(const T& x) { return T(1) / positive(x); }
 
 /// A triangle with edges e and f from its corner 0 in axes at right angles: e and m, with f = mu e + m. They are so to
-/// rounding for every shape: m is (e x f) x e / ee.
+/// rounding for every shape, for m is (e x f) x e / ee; where rounding leaves of e x f its size alone, m is as long as
+/// the rounding of f.
 template <class T> struct TriangleFrame {
   Vec3<T> e, m; ///< m
   T ee, mm;     ///< |e|^2 and |m|^2 (m2)
   T inverse_ee, inverse_mm, mu;
-  MaskOf<T> flat; ///< no area to rounding, or too small for products of three lengths: m means nothing
+  MaskOf<T> flat; ///< e or m is zero, or too small for products of three lengths: the axes mean nothing
 
   [[gnu::always_inline]] TriangleFrame(const Vec3<T>& edge, const Vec3<T>& f)
       : e(edge), ee(squared(e)), inverse_ee(inverse_or_large(ee)), mu(dot(f, e) * inverse_ee) {
-    constexpr double smallest = sizeof(ScalarOf<T>) == sizeof(double) ? 1e-200 : 1e-24; // of ee and mm
+    constexpr double smallest = sizeof(ScalarOf<T>) == sizeof(double) ? 1e-200 : 1e-24;
     m = inverse_ee * cross(cross(e, f), e);
     mm = squared(m);
     inverse_mm = inverse_or_large(mm);
-    flat =
-        (min(ee, mm) <= constant<T>(smallest)) | (mm <= constant<T>(16 * epsilon_of<T> * epsilon_of<T>) * squared(f));
+    flat = min(ee, mm) <= constant<T>(smallest);
   }
 
   /// Weights of the projection of a point r, seen from corner 0, from r.e and r.m.

@@ -52,6 +52,15 @@ TEST(Slivers, AreRightHoweverThin) {
       EXPECT_EQ(tally.faults, 0) << testing::PrintToString(*tally.kernel) << ": " << tally.examples[0];
 }
 
+// Brought up by a million as well: so close that brute force finds one point, which it moves apart by more than lanes
+// allow for rounding.
+TEST(Touching, ReportsTheContactsOfBruteForceForEveryReach) {
+  std::vector<const Kernel*> all;
+  for (const Kernel& kernel : kernels()) all.push_back(&kernel);
+  for (const Tally& tally : prove(row_named(random_families(), "family", "coplanar_sep"), all, 87020882140445290ull, 1))
+    EXPECT_EQ(tally.faults, 0) << testing::PrintToString(*tally.kernel) << ": " << tally.examples[0];
+}
+
 // Every bar of the proof must catch a kernel that fails it alone.
 TEST(Proof, CatchesEachKindOfError) {
   const auto caught = [](std::string_view family, const char* fault, KernelFunction function) {
