@@ -96,10 +96,10 @@ struct Boxes {
 FLATTEN_OCTETS void triangles_beyond(TrianglesView t, const Point& u, double least, const Box& other, double reach,
                                      std::vector<int>& indices) {
   indices.resize(t.size + 8);
-  const Vec3<Octet> direction = in_octet(u), low = in_octet({other.low[0], other.low[1], other.low[2]}),
-                    high = in_octet({other.high[0], other.high[1], other.high[2]});
+  const Vec3<Octet> direction = in_octet(u);
+  const Boxes box{in_octet({other.low[0], other.low[1], other.low[2]}),
+                  in_octet({other.high[0], other.high[1], other.high[2]})};
   int n = 0;
-  const Boxes box{low, high};
   for (int first = 0; first < t.size; first += 8) {
     const Corners<Octet> x = corners_of(t, first);
     const Octet furthest = max(max(dot(direction, x[0]), dot(direction, x[1])), dot(direction, x[2]));
@@ -119,7 +119,7 @@ struct Facets {
   static constexpr int columns = 20;
   Corners<Octet> corner;
   Boxes box;
-  Vec3<Octet> normal; ///< as long as edge 0 times edge 2 of a right angle (m2)
+  Vec3<Octet> normal; ///< cross product of two edges (m2)
   Octet lowest, highest;
 };
 
@@ -154,10 +154,10 @@ template <class Get> [[gnu::always_inline]] inline Facets facets_from(const Get&
   return {{at(0), at(3), at(6)}, {at(9), at(12)}, at(15), get(18), get(19)};
 }
 
-/// Does any corner come within reach of the facets' planes, or do they lie on both sides?
-[[gnu::always_inline]] inline auto meet(const Facets& f, const Corners<Octet>& x) {
+/// Are all corners beyond reach of the facets' planes, on one side? Not where a number is NaN: no area, infinite reach.
+[[gnu::always_inline]] inline auto beyond(const Facets& f, const Corners<Octet>& x) {
   const Octet h0 = dot(f.normal, x[0]), h1 = dot(f.normal, x[1]), h2 = dot(f.normal, x[2]);
-  return (min(min(h0, h1), h2) <= f.highest) & (max(max(h0, h1), h2) >= f.lowest);
+  return (min(min(h0, h1), h2) > f.highest) | (max(max(h0, h1), h2) < f.lowest);
 }
 
 /// Bits of the eight facets from `b` on that facet number `lane` of those from `a` on may come within reach of: neither
@@ -165,8 +165,8 @@ template <class Get> [[gnu::always_inline]] inline Facets facets_from(const Get&
 FLATTEN_OCTETS unsigned near_facet(const double* a, int lane, const double* b, double reach) {
   const Facets one = facets_from([&](int c) { return broadcast<Octet>(a[8 * c + lane]); }),
                eight = facets_from([&](int c) { return load<Octet>(b + 8 * c); });
-  return bits_of((distance2(one.box, eight.box) <= broadcast<Octet>(reach * reach)) & meet(one, eight.corner) &
-                 meet(eight, one.corner));
+  return bits_of((distance2(one.box, eight.box) <= broadcast<Octet>(reach * reach)) & !beyond(one, eight.corner) &
+                 !beyond(eight, one.corner));
 }
 
 } // namespace
