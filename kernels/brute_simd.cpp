@@ -49,8 +49,8 @@ template <class T> [[gnu::always_inline]] inline Solved<T> solved(const Triangle
     s.answer.upper = select(crossing, T(0), s.answer.upper);
     s.answer.feature = select(crossing, T(Features::of_a | Features::of_b), s.answer.feature);
     s.within |= bits_of(crossing);
-    // So close, brute force may have found one point and moved it apart.
-    const MaskOf<T> one_point = distance <= rounding + rounding;
+    // So close, brute force, in double, may have found one point and moved it apart.
+    const MaskOf<T> one_point = distance <= constant<T>(2 * certificate_rounding<double>) * pair.extent;
     s.doubtful = (s.doubtful | bits_of(open & one_point)) & ~bits_of(crossing);
     s.touching = bits_of(open & !pierced.surely & !pierced.surely_not);
   }
