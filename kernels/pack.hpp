@@ -144,24 +144,21 @@ template <class T> class PairPack {
     column(Hits::upper, from.upper);
   }
 
-  /// Sets the extent and, in float, goes over to the units of the pairs.
-  [[gnu::always_inline]] void finish() {
-    pair_.extent = extent_of(pair_.a, pair_.b);
-    if constexpr (has_unit) {
-      power_of_two_below(pair_.extent, unit_, per_unit_);
-      for (Vec3<T>* corner : {&pair_.a[1], &pair_.a[2], &pair_.b[0], &pair_.b[1], &pair_.b[2]})
-        *corner = per_unit_ * *corner;
-      pair_.extent = per_unit_ * pair_.extent;
-    }
-  }
-
   template <class A, class B> [[gnu::flatten]] void take(const A& a, const B& b) {
     for (int axis = 0; axis < 3; ++axis)
       for (int k = 0; k < halves<T>; ++k) store(a(axis, k), origin_[axis].data() + k * width);
-    pair_.a[1] = corner(a, a, 1);
-    pair_.a[2] = corner(a, a, 2);
-    pair_.b = {corner(b, a, 0), corner(b, a, 1), corner(b, a, 2)};
-    finish();
+    const Corners<T> in_a{pair_.a[0], corner(a, a, 1), corner(a, a, 2)},
+        in_b{corner(b, a, 0), corner(b, a, 1), corner(b, a, 2)};
+    const T extent = extent_of(in_a, in_b);
+    T scale = broadcast<T>(1);
+    if constexpr (has_unit) {
+      power_of_two_below(extent, unit_, per_unit_);
+      scale = per_unit_;
+    }
+    pair_.a[1] = scale * in_a[1];
+    pair_.a[2] = scale * in_a[2];
+    pair_.b = {scale * in_b[0], scale * in_b[1], scale * in_b[2]};
+    pair_.extent = scale * extent;
   }
 
   /// Corner of triangle `of` seen from corner 0 of triangle `a`.
