@@ -43,7 +43,6 @@ namespace {
 // --- none and sphere: lists of triangles, every one of A's against every one of B's
 
 void pair_all(const MeshView& b, const Placement& at, Candidates& c) {
-  c.number_b = c.near_b;
   place(b.triangles, at, c.number_b, c.b);
   PairIndex* next = room_for_pairs(c, c.near_a.size() * c.b.size());
   for (int i : c.near_a)
@@ -59,7 +58,7 @@ void all_triangles(const MeshView& mesh, const Point&, double, std::vector<int>&
 void pairs_of_all(const MeshView& a, const MeshView& b, const Placement& at, double, Candidates& c) {
   c.clear();
   all_triangles(a, {}, 0, c.near_a);
-  all_triangles(b, {}, 0, c.near_b);
+  all_triangles(b, {}, 0, c.number_b);
   pair_all(b, at, c);
 }
 
@@ -71,7 +70,7 @@ void pairs_by_sphere(const MeshView& a, const MeshView& b, const Placement& at, 
   c.clear();
   triangles_near_point(a.triangles, at.translation, b.octree->radius() + reach, c.near_a);
   if (c.near_a.empty()) return;
-  triangles_near_point(b.triangles, -1. * turned_back(at.translation, at), a.octree->radius() + reach, c.near_b);
+  triangles_near_point(b.triangles, -1. * turned_back(at.translation, at), a.octree->radius() + reach, c.number_b);
   pair_all(b, at, c);
 }
 

@@ -34,7 +34,7 @@ struct Candidates {
 
   // scratch of the pre-checks
   std::vector<PairIndex> list; ///< holds `pairs`; never shrinks
-  std::vector<int> near_a, near_b;
+  std::vector<int> near_a;
   Column<double> facets_a, facets_b;
   std::vector<int> place; ///< of each triangle of B in `b`; -1 between calls
 };

@@ -184,8 +184,7 @@ void pairs_by_box(const MeshView& a, const MeshView& b, const Placement& at, dou
   triangles_beyond(a.triangles, slab.u, slab.start_of_b - limit, placed(b.octree->cut(0).box, at), limit, c.near_a);
   if (c.near_a.empty()) return;
   triangles_beyond(b.triangles, back, dot(slab.u, at.translation) - slab.end_of_a - limit,
-                   placed(a.octree->cut(0).box, a_in_b), limit, c.near_b);
-  c.number_b = c.near_b;
+                   placed(a.octree->cut(0).box, a_in_b), limit, c.number_b);
   place(b.triangles, at, c.number_b, c.b);
   const TrianglesView placed_b = c.b.view();
   const int count_a = static_cast<int>(c.near_a.size());

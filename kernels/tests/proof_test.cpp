@@ -27,17 +27,20 @@ std::string first_fault(std::string_view family, KernelFunction function) {
   return tallies[0].faults == 0 ? "no fault" : tallies[0].examples[0];
 }
 
+/// Every kernel is right on `count` pairs of the family from number `first` on.
+void expect_right(const RandomFamily& family, unsigned long long first, int count) {
+  std::vector<const Kernel*> all;
+  for (const Kernel& kernel : kernels()) all.push_back(&kernel);
+  for (const Tally& tally : prove(family, all, first, count))
+    EXPECT_EQ(tally.faults, 0) << testing::PrintToString(*tally.kernel) << ": " << tally.examples[0];
+}
+
 } // namespace
 
 class RandomPairs : public testing::TestWithParam<RandomFamily> {};
 
 // A small share of what `kernel_proof --pairs 1000000` proves.
-TEST_P(RandomPairs, EveryKernelIsRight) {
-  std::vector<const Kernel*> all;
-  for (const Kernel& kernel : kernels()) all.push_back(&kernel);
-  for (const Tally& tally : prove(GetParam(), all, 0, 1000))
-    EXPECT_EQ(tally.faults, 0) << testing::PrintToString(*tally.kernel) << ": " << tally.examples[0];
-}
+TEST_P(RandomPairs, EveryKernelIsRight) { expect_right(GetParam(), 0, 1000); }
 
 INSTANTIATE_TEST_SUITE_P(Families, RandomPairs, testing::ValuesIn(random_families().begin(), random_families().end()),
                          [](const auto& info) { return std::string(info.param.name); });
@@ -45,20 +48,14 @@ INSTANTIATE_TEST_SUITE_P(Families, RandomPairs, testing::ValuesIn(random_familie
 // Pairs that a million of the family brought up: the height of the first two is 1e-10 of an edge; of the others 1e-3,
 // which is thin in float.
 TEST(Slivers, AreRightHoweverThin) {
-  std::vector<const Kernel*> all;
-  for (const Kernel& kernel : kernels()) all.push_back(&kernel);
   for (const unsigned long long pair : {8701604331824ull, 8701604569056ull, 8701604232565ull, 8701603843089ull})
-    for (const Tally& tally : prove(row_named(random_families(), "family", "sliver_near"), all, pair, 1))
-      EXPECT_EQ(tally.faults, 0) << testing::PrintToString(*tally.kernel) << ": " << tally.examples[0];
+    expect_right(row_named(random_families(), "family", "sliver_near"), pair, 1);
 }
 
 // Brought up by a million as well: so close that brute force finds one point, which it moves apart by more than lanes
 // allow for rounding.
 TEST(Touching, ReportsTheContactsOfBruteForceForEveryReach) {
-  std::vector<const Kernel*> all;
-  for (const Kernel& kernel : kernels()) all.push_back(&kernel);
-  for (const Tally& tally : prove(row_named(random_families(), "family", "coplanar_sep"), all, 87020882140445290ull, 1))
-    EXPECT_EQ(tally.faults, 0) << testing::PrintToString(*tally.kernel) << ": " << tally.examples[0];
+  expect_right(row_named(random_families(), "family", "coplanar_sep"), 87020882140445290ull, 1);
 }
 
 // Every bar of the proof must catch a kernel that fails it alone.
